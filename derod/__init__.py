@@ -1,0 +1,1 @@
+"""derod: dynamic relaxation of a discrete elastic rod that coils inside a liquid drop."""
