@@ -27,7 +27,9 @@ class Factor(NamedTuple):
     scale: np.ndarray  # (m,) that makes S's rows comparable
     values: np.ndarray  # (m,) eigenvalues of the scaled S
     vectors: np.ndarray  # (m, m)
-    work: np.ndarray  # (n + w,)
+    work: np.ndarray  # (m,)
+    rhs: np.ndarray  # (n + w,) room for a right side, then its solution
+    rhs_border: np.ndarray  # (m,)
 
 
 def new_factor(rows: int, width: int, borders: int) -> Factor:
@@ -38,7 +40,9 @@ def new_factor(rows: int, width: int, borders: int) -> Factor:
         np.zeros(borders),
         np.zeros(borders),
         np.zeros((borders, borders)),
+        np.zeros(borders),
         np.zeros(rows),
+        np.zeros(borders),
     )
 
 
@@ -107,7 +111,7 @@ def solve(factor, x, y):
         f /= lower[j, 0]
         for k in range(m):
             y[k] -= half[j, k] * f
-    work[:m] = 0.0
+    work[:] = 0.0
     for k in range(m):
         f = 0.0
         for i in range(m):
