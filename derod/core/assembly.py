@@ -17,7 +17,7 @@ from derod.core import layout
 from derod.core.bending import add_bending_gradient, add_bending_hessian, bending_energy
 from derod.core.jit import kernel
 from derod.core.kinematics import measure
-from derod.core.layout import X_C, Gradient, Hessian, Kinematics
+from derod.core.layout import X_C, Gradient, Hessian, Kinematics, Mesh
 from derod.core.menisci import add_menisci_gradient, add_menisci_hessian, capillary_energy
 from derod.core.stretch import add_stretch_gradient, add_stretch_hessian
 from derod.core.twist import add_twist_gradient, add_twist_hessian, holonomy, twisting_moment
@@ -65,10 +65,11 @@ def new_linear(edges: int, d: int) -> Linear:
     return Linear(np.zeros((rows, w + 1)), np.zeros((rows, m)), np.zeros((m, m)))
 
 
-def new_room(edges: int, d: int) -> Room:
-    """Return room for assembling ``edges`` edges in ``d`` dimensions."""
+def new_room(mesh: Mesh, d: int) -> Room:
+    """Return room for assembling a mesh in ``d`` dimensions."""
+    edges = mesh.edges
     return Room(
-        layout.new_kinematics(edges, d),
+        layout.new_kinematics(mesh, d),
         layout.new_gradient(edges, d),
         layout.new_hessian(edges, d),
         np.zeros((edges + 1, d + 1)),
@@ -88,7 +89,7 @@ def energies(physics, mesh, q, b, psi, end_rotation, room):
     return (
         bending_energy(physics, room.kin, room.a, room.b),
         twist if len(physics.axis) == 3 else 0.0,
-        wall_energy(physics, mesh, room.kin, q, b),
+        wall_energy(physics, room.kin, q, b),
         capillary_energy(physics, b),
     )
 
@@ -106,12 +107,13 @@ def gradient(physics, mesh, q, b, psi, end_rotation, room):
     sound = measure(physics, mesh, q, b, kin)
     grad.edge[:] = 0.0
     grad.node[:] = 0.0
+    grad.rest[:] = 0.0
     grad.constraint[:] = 0.0
     grad.border[:] = 0.0
-    add_bending_gradient(physics, mesh, kin, q, room.a, room.b, grad)
-    add_stretch_gradient(physics, mesh, kin, q, grad)
-    add_wall_gradient(physics, mesh, kin, q, b, grad)
-    add_menisci_gradient(physics, mesh, q, b, grad)
+    add_bending_gradient(physics, kin, q, room.a, room.b, grad)
+    add_stretch_gradient(physics, kin, q, grad)
+    add_wall_gradient(physics, kin, q, b, grad)
+    add_menisci_gradient(physics, kin, q, b, grad)
     if d == 3:
         psi = holonomy(physics, kin, psi, room.a, room.b)
         moment = twisting_moment(physics, end_rotation, psi)
@@ -126,6 +128,9 @@ def gradient(physics, mesh, q, b, psi, end_rotation, room):
             room.r[i, k] = f
         room.r[i, d] = grad.constraint[i - 1] if i > 0 else 0.0
     room.rb[:] = grad.border
+    for s in range(2):
+        for j in range(n):
+            room.rb[s] += grad.rest[j] * kin.slope[s, j]
     return psi, sound and np.isfinite(np.sum(room.r)) and np.isfinite(np.sum(room.rb))
 
 
@@ -139,15 +144,18 @@ def hessian(physics, mesh, q, b, psi, end_rotation, room):
     hess.node_menisci[:] = 0.0
     hess.constraint_menisci[:] = 0.0
     hess.border[:] = 0.0
-    add_bending_hessian(physics, mesh, room.kin, q, room.a, room.b, hess)
-    add_stretch_hessian(physics, mesh, room.kin, q, hess)
-    add_wall_hessian(physics, mesh, room.kin, q, b, hess)
-    add_menisci_hessian(physics, mesh, q, b, hess)
+    add_bending_hessian(physics, room.kin, q, room.a, room.b, hess)
+    add_stretch_hessian(physics, room.kin, q, hess)
+    add_wall_hessian(physics, room.kin, q, b, hess)
+    add_menisci_hessian(physics, room.kin, q, b, hess)
+    for s in range(2):
+        for j in range(hess.edge.shape[0]):
+            hess.border[s, s] += room.grad.rest[j] * room.kin.curve[s, j]
     if len(physics.axis) == 3:
         moment = twisting_moment(physics, end_rotation, psi)
         add_twist_hessian(physics, room.kin, moment, room.a, room.b, room.c, hess)
     fill_band(physics, hess, room.linear.band)
-    fill_border(physics, mesh, q, b, room)
+    fill_border(physics, q, b, room)
 
 
 @kernel
@@ -191,7 +199,7 @@ def fill_band(physics, hess, band):
 
 
 @kernel
-def fill_border(physics, mesh, q, b, room):
+def fill_border(physics, q, b, room):
     """Fill the border columns and the corner."""
     d = len(physics.axis)
     hess, grad, kin = room.hess, room.grad, room.kin
@@ -212,7 +220,7 @@ def fill_border(physics, mesh, q, b, room):
     for j in range(n):
         for s in range(2):
             border[(d + 1) * j + d, s] = hess.constraint_menisci[s, j]
-    for i in range(mesh.node_a, mesh.node_b + 1):  # moving the drop is moving the nodes back
+    for i in range(kin.node_a, kin.node_b + 1):  # moving the drop is moving the nodes back
         for k in range(d):
             row = (d + 1) * (i - 1) + k
             for m in range(d):
@@ -222,7 +230,7 @@ def fill_border(physics, mesh, q, b, room):
                 corner[s, X_C + k] -= hess.node_menisci[s, i, k]
                 corner[X_C + k, s] -= hess.node_menisci[s, i, k]
     for side in range(2):
-        i = mesh.node_a if side == 0 else mesh.node_b
+        i = kin.node_a if side == 0 else kin.node_b
         for k in range(d):
             border[(d + 1) * (i - 1) + k, X_C + d + side] = 2 * (q[i, k] - b[X_C + k])
     if d == 3:

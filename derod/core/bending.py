@@ -46,8 +46,8 @@ def bending_energy(physics, kin, a, b):
 
 
 @kernel
-def add_bending_gradient(physics, mesh, kin, q, a, b, grad):
-    """Add the derivatives of sum C_i phi_i^2 by the edges, the tensions and the menisci."""
+def add_bending_gradient(physics, kin, q, a, b, grad):
+    """Add the derivatives of sum C_i phi_i^2 by the edges, the tensions and the rest lengths."""
     n = kin.rest.size
     d = len(physics.axis)
     for i in range(n + 1):
@@ -74,17 +74,10 @@ def add_bending_gradient(physics, mesh, kin, q, a, b, grad):
             for k in range(d):
                 grad.edge[i, k] += f * (a[k] - cosine * b[k])
             grad.constraint[i] += r * r * r * w * w / 12 * phi2
-        for s in range(2):
-            p_s = meniscus_slope(mesh, i - 1, s) if left else 0.0
-            r_s = meniscus_slope(mesh, i, s) if right else 0.0
-            x_s = 3 * (tp * p * p * p_s + tr * r * r * r_s)
-            grad.border[s] += phi2 * coefficient_slope(w, x, p_s + r_s, x_s)
-
-
-@kernel
-def meniscus_slope(mesh, j, s):
-    """Return dl_j/ds_A (s = 0) or dl_j/ds_B (s = 1)."""
-    return mesh.by_a[j] if s == 0 else mesh.by_b[j]
+        if left:
+            grad.rest[i - 1] += phi2 * w * w * (-1 + tp * p * p / 4 - x * w / 6)
+        if right:
+            grad.rest[i] += phi2 * w * w * (-1 + tr * r * r / 4 - x * w / 6)
 
 
 @kernel
@@ -94,7 +87,7 @@ def coefficient_slope(w, x, m_s, x_s):
 
 
 @kernel
-def add_bending_hessian(physics, mesh, kin, q, a, b, hess):
+def add_bending_hessian(physics, kin, q, a, b, hess):
     """Add the second derivatives of sum C_i phi_i^2."""
     n = kin.rest.size
     d = len(physics.axis)
@@ -137,8 +130,8 @@ def add_bending_hessian(physics, mesh, kin, q, a, b, hess):
                 hess.constraint[i, 0, k] += cr * slope * ue_k
                 hess.constraint[i, 1, k] += cr * slope * uf_k
         for s in range(2):
-            p_s = meniscus_slope(mesh, i - 1, s) if left else 0.0
-            r_s = meniscus_slope(mesh, i, s) if right else 0.0
+            p_s = kin.slope[s, i - 1] if left else 0.0
+            r_s = kin.slope[s, i] if right else 0.0
             if p_s == 0.0 and r_s == 0.0:
                 continue
             m_s = p_s + r_s
@@ -158,8 +151,8 @@ def add_bending_hessian(physics, mesh, kin, q, a, b, hess):
                 if right:
                     hess.edge_menisci[s, i, k] -= c_s * slope * (a[k] - cosine * b[k]) * jf
             for v in range(2):
-                p_v = meniscus_slope(mesh, i - 1, v) if left else 0.0
-                r_v = meniscus_slope(mesh, i, v) if right else 0.0
+                p_v = kin.slope[v, i - 1] if left else 0.0
+                r_v = kin.slope[v, i] if right else 0.0
                 m_v = p_v + r_v
                 x_v = 3 * (tp * p * p * p_v + tr * r * r * r_v)
                 x_sv = 6 * (tp * p * p_s * p_v + tr * r * r_s * r_v)

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import math
 
+from derod.core.grid import lay_grid
 from derod.core.jit import kernel
-from derod.core.layout import S_A, S_B
 
 
 @kernel
 def measure(physics, mesh, q, b, kin):
     """Fill ``kin`` for the state (q, b); return False where an edge has no length or is not finite."""
     d = len(physics.axis)
+    lay_grid(mesh, physics.length, b, kin)
     sound = True
     for j in range(kin.rest.size):
-        kin.rest[j] = mesh.base[j] + mesh.by_a[j] * b[S_A] + mesh.by_b[j] * b[S_B]
         square = 0.0
         for k in range(d):
             e = q[j + 1, k] - q[j, k]

@@ -33,21 +33,28 @@ class Physics(NamedTuple):
 
 
 class Mesh(NamedTuple):
-    """Rest lengths l_j = base + by_a s_A + by_b s_B of the N edges, and the menisci's nodes."""
+    """The arc-length grid: N edges in three regions, [0, s_A], [s_A, s_B], [s_B, l] (``core.grid``)."""
 
-    base: np.ndarray  # (N,)
-    by_a: np.ndarray  # (N,) dl_j/ds_A
-    by_b: np.ndarray  # (N,) dl_j/ds_B
-    node_a: int
-    node_b: int
+    outside: int  # edges in each outer region
+    inside: np.ndarray  # fractions of the wetted length, one an inner edge
+    layer: float  # D, the length over which the outer edges stay short
+
+    @property
+    def edges(self) -> int:
+        """Return N."""
+        return 2 * self.outside + self.inside.size
 
 
 class Kinematics(NamedTuple):
     """What every term reads, computed once a state."""
 
-    rest: np.ndarray  # (N,) l_j, D
+    rest: np.ndarray  # (N,) rest lengths l_j, D
+    slope: np.ndarray  # (2, N) dl_j/ds_A, dl_j/ds_B
+    curve: np.ndarray  # (2, N) second derivatives; the mixed one is zero
     size: np.ndarray  # (N,) |e_j|, D
     tangent: np.ndarray  # (N, d) e_j / |e_j|
+    node_a: int  # the menisci's nodes
+    node_b: int
 
 
 class Gradient(NamedTuple):
@@ -55,6 +62,7 @@ class Gradient(NamedTuple):
 
     edge: np.ndarray  # (N, d) by e_j
     node: np.ndarray  # (N+1, d) by x_i, what is not in ``edge``
+    rest: np.ndarray  # (N,) by l_j, which takes it to s_A and s_B
     constraint: np.ndarray  # (N,) by lambda_j: the stretch constraint g_j
     border: np.ndarray  # (d+5,) by b
     holonomy: np.ndarray  # (N, d) of psi by e_j
@@ -73,9 +81,18 @@ class Hessian(NamedTuple):
     border: np.ndarray  # (d+5, d+5) by b b
 
 
-def new_kinematics(edges: int, d: int) -> Kinematics:
-    """Return room for the kinematics of ``edges`` edges in ``d`` dimensions."""
-    return Kinematics(np.zeros(edges), np.zeros(edges), np.zeros((edges, d)))
+def new_kinematics(mesh: Mesh, d: int) -> Kinematics:
+    """Return room for the kinematics of a mesh in ``d`` dimensions."""
+    n = mesh.edges
+    return Kinematics(
+        np.zeros(n),
+        np.zeros((2, n)),
+        np.zeros((2, n)),
+        np.zeros(n),
+        np.zeros((n, d)),
+        mesh.outside,
+        mesh.outside + mesh.inside.size,
+    )
 
 
 def new_gradient(edges: int, d: int) -> Gradient:
@@ -83,6 +100,7 @@ def new_gradient(edges: int, d: int) -> Gradient:
     return Gradient(
         np.zeros((edges, d)),
         np.zeros((edges + 1, d)),
+        np.zeros(edges),
         np.zeros(edges),
         np.zeros(d + 5),
         np.zeros((edges, d)),

@@ -24,13 +24,13 @@ def capillary_energy(physics, b):
 
 
 @kernel
-def add_menisci_gradient(physics, mesh, q, b, grad):
+def add_menisci_gradient(physics, kin, q, b, grad):
     """Add f_gamma, the forces f_A, f_B and the three constraints."""
     d = len(physics.axis)
     grad.border[S_A] += physics.capillary_force + b[X_C + d + 2]
     grad.border[S_B] += -physics.capillary_force + b[X_C + d + 2]
     for side in range(2):
-        i = mesh.node_a if side == 0 else mesh.node_b
+        i = kin.node_a if side == 0 else kin.node_b
         force = b[X_C + d + side]
         for k in range(d):
             f = 2 * force * (q[i, k] - b[X_C + k])
@@ -41,11 +41,11 @@ def add_menisci_gradient(physics, mesh, q, b, grad):
 
 
 @kernel
-def add_menisci_hessian(physics, mesh, q, b, hess):
+def add_menisci_hessian(physics, kin, q, b, hess):
     """Add 2 f on the menisci's nodes and the constraints' rows (those by x_i: ``assembly``)."""
     d = len(physics.axis)
     for side in range(2):
-        i = mesh.node_a if side == 0 else mesh.node_b
+        i = kin.node_a if side == 0 else kin.node_b
         row = X_C + d + side
         for k in range(d):
             hess.node[i, k, k] += 2 * b[row]

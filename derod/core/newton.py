@@ -20,17 +20,19 @@ from derod.core.residual import excess
 from derod.core.wall import wall_gap
 from derod.linalg.bordered import factorize, solve
 
-FIRST_SHIFT = 1.0  # K0/D^4, of a soft mode's stiffness
-LEAST_SHIFT = 0.1
+FIRST_SHIFT = 1.0  # K0/D^4, of a soft mode's stiffness; where a step fails
+LEAST_SHIFT = 1e-4  # where there is negative curvature: near a pitchfork it is small
 LARGEST_SHIFT = 1e12
+RAISE, LOWER = 8.0, 0.2
 MOST_ROTATION = 0.5  # rad of an edge in one step
 MOST_GAP_USED = 0.7
 MOST_REGION_USED = 0.5
 TRIALS = 40
+CORRECTIONS = 3  # of a trial's lengths, before its merit condemns it
 
 
 @kernel
-def add_shift(mesh, kin, linear, d, shift):
+def add_shift(kin, linear, d, shift):
     """Add ``shift`` times the dual lengths to the nodes' diagonal, and to those of s_A, s_B, x_C."""
     n = kin.rest.size
     for i in range(1, n):
@@ -52,7 +54,7 @@ def unstable_modes(linear, factor, d):
 
 
 @kernel
-def longest_step(physics, mesh, kin, q, b, dq, db):
+def longest_step(physics, kin, q, b, dq, db):
     """Return the fraction of the step (dq, db) that stays inside the limits, at most 1."""
     d = len(physics.axis)
     n = kin.rest.size
@@ -62,7 +64,7 @@ def longest_step(physics, mesh, kin, q, b, dq, db):
         for k in range(d):
             square += (dq[j + 1, k] - dq[j, k]) ** 2
         fraction = min(fraction, MOST_ROTATION * kin.rest[j] / (np.sqrt(square) + 1e-300))
-    for i in range(mesh.node_a, mesh.node_b + 1):
+    for i in range(kin.node_a, kin.node_b + 1):
         r2 = 0.0
         outward = 0.0
         for k in range(d):
@@ -110,6 +112,30 @@ def largest_multiplier(q, b, dq, db, d):
 
 
 @kernel
+def restore_lengths(room, factor, tq, tb):
+    """Move a trial state back toward its constraints, with the factor at hand.
+
+    A step along a curved, soft valley is tangent to the constraints and violates them to second order;
+    charged with that, good steps would be refused (Maratos' effect).
+    """
+    d = tq.shape[1] - 1
+    n = tq.shape[0] - 1
+    x, y = factor.rhs, factor.rhs_border
+    x[:] = 0.0
+    y[:] = 0.0
+    for i in range(1, n + 1):
+        x[(d + 1) * (i - 1) + d] = -room.r[i, d]
+    for k in range(X_C + d, d + 5):
+        y[k] = -room.rb[k]
+    solve(factor, x, y)
+    for i in range(1, n + 1):
+        for k in range(d + 1):
+            tq[i, k] += x[(d + 1) * (i - 1) + k]
+    for k in range(d + 5):
+        tb[k] += y[k]
+
+
+@kernel
 def newton_step(physics, mesh, end_rotation, tolerance, shift, psi, room, factor, q, b, dq, db, tq, tb):
     """Improve the state (q, b, psi) in place by one damped step.
 
@@ -125,10 +151,10 @@ def newton_step(physics, mesh, end_rotation, tolerance, shift, psi, room, factor
     y = factor.rhs_border
     for _ in range(TRIALS):
         hessian(physics, mesh, q, b, psi_old, end_rotation, room)
-        add_shift(mesh, room.kin, room.linear, d, shift)
+        add_shift(room.kin, room.linear, d, shift)
         while unstable_modes(room.linear, factor, d) != 0 and shift < LARGEST_SHIFT:
-            more = max(FIRST_SHIFT, 3 * shift)
-            add_shift(mesh, room.kin, room.linear, d, more)
+            more = max(LEAST_SHIFT, (RAISE - 1) * shift)
+            add_shift(room.kin, room.linear, d, more)
             shift += more
         x[:] = 0.0
         y[:] = 0.0
@@ -144,7 +170,7 @@ def newton_step(physics, mesh, end_rotation, tolerance, shift, psi, room, factor
             for k in range(d + 1):
                 dq[i, k] = x[(d + 1) * (i - 1) + k]
         db[:] = y[: d + 5]
-        fraction = longest_step(physics, mesh, room.kin, q, b, dq, db)
+        fraction = longest_step(physics, room.kin, q, b, dq, db)
         penalty = 1 + 1.5 * largest_multiplier(q, b, dq, db, d)
         before = merit(physics, mesh, q, b, psi_old, end_rotation, penalty, room)
         for i in range(n + 1):
@@ -152,20 +178,25 @@ def newton_step(physics, mesh, end_rotation, tolerance, shift, psi, room, factor
                 tq[i, k] = q[i, k] + fraction * dq[i, k]
         for k in range(d + 5):
             tb[k] = b[k] + fraction * db[k]
-        if wall_gap(physics, mesh, tq, tb) > 0:
+        for correction in range(CORRECTIONS + 1):
+            if wall_gap(physics, room.kin, tq, tb) <= 0:
+                break
             psi, sound = gradient(physics, mesh, tq, tb, psi_old, end_rotation, room)
-            if sound:
-                new, new_force = excess(physics, room.r, room.rb, room.kin, tolerance)
-                after = merit(physics, mesh, tq, tb, psi, end_rotation, penalty, room)
-                if new < 0.5 * old or after < before:
-                    q[:] = tq
-                    b[:] = tb
-                    if fraction == 1.0:
-                        shift *= 0.2
-                        if shift < LEAST_SHIFT:
-                            shift = 0.0
-                    return True, shift, psi, new, new_force
-        shift = max(FIRST_SHIFT, 4 * shift)
+            if not sound:
+                break
+            new, new_force = excess(physics, room.r, room.rb, room.kin, tolerance)
+            after = merit(physics, mesh, tq, tb, psi, end_rotation, penalty, room)
+            if new < 0.9 * old or after < before:
+                q[:] = tq
+                b[:] = tb
+                if fraction == 1.0:
+                    shift *= LOWER
+                    if shift < LEAST_SHIFT:
+                        shift = 0.0
+                return True, shift, psi, new, new_force
+            if correction < CORRECTIONS:
+                restore_lengths(room, factor, tq, tb)
+        shift = max(FIRST_SHIFT, RAISE * shift)
         if shift > LARGEST_SHIFT:
             break
         gradient(physics, mesh, q, b, psi_old, end_rotation, room)
@@ -276,5 +307,5 @@ def lowest_mode(physics, mesh, end_rotation, psi, room, factor, q, b, dq, db, sw
 def shifted_count(physics, mesh, end_rotation, psi, room, factor, q, b, shift):
     """Return the unstable modes left with ``shift``; the gradient in ``room`` must be current."""
     hessian(physics, mesh, q, b, psi, end_rotation, room)
-    add_shift(mesh, room.kin, room.linear, len(physics.axis), shift)
+    add_shift(room.kin, room.linear, len(physics.axis), shift)
     return unstable_modes(room.linear, factor, len(physics.axis))

@@ -5,13 +5,12 @@
 
 from __future__ import annotations
 
-from derod.core.bending import meniscus_slope
 from derod.core.jit import kernel
 
 
 @kernel
-def add_stretch_gradient(physics, mesh, kin, q, grad):
-    """Add lambda_j e_j / l_j by the edges, g_j by the tensions, and the menisci's share."""
+def add_stretch_gradient(physics, kin, q, grad):
+    """Add lambda_j e_j / l_j by the edges, g_j by the tensions, and by the rest lengths."""
     d = len(physics.axis)
     for j in range(kin.rest.size):
         ratio = kin.size[j] / kin.rest[j]
@@ -19,13 +18,11 @@ def add_stretch_gradient(physics, mesh, kin, q, grad):
         for k in range(d):
             grad.edge[j, k] += tension * ratio * kin.tangent[j, k]
         grad.constraint[j] += 0.5 * kin.rest[j] * (ratio - 1) * (ratio + 1)
-        pull = -0.5 * tension * (ratio * ratio + 1)
-        grad.border[0] += pull * mesh.by_a[j]
-        grad.border[1] += pull * mesh.by_b[j]
+        grad.rest[j] -= 0.5 * tension * (ratio * ratio + 1)
 
 
 @kernel
-def add_stretch_hessian(physics, mesh, kin, q, hess):
+def add_stretch_hessian(physics, kin, q, hess):
     """Add the second derivatives of lambda_j g_j."""
     d = len(physics.axis)
     for j in range(kin.rest.size):
@@ -36,11 +33,11 @@ def add_stretch_hessian(physics, mesh, kin, q, hess):
             hess.edge[j, k, k] += stiffness
             hess.constraint[j, 1, k] += ratio * kin.tangent[j, k]
         for s in range(2):
-            l_s = meniscus_slope(mesh, j, s)
+            l_s = kin.slope[s, j]
             if l_s == 0.0:
                 continue
             hess.constraint_menisci[s, j] -= 0.5 * (ratio * ratio + 1) * l_s
             for k in range(d):
                 hess.edge_menisci[s, j, k] -= stiffness * ratio * kin.tangent[j, k] * l_s
             for v in range(2):
-                hess.border[s, v] += stiffness * ratio * ratio * l_s * meniscus_slope(mesh, j, v)
+                hess.border[s, v] += stiffness * ratio * ratio * l_s * kin.slope[v, j]

@@ -9,9 +9,8 @@ from __future__ import annotations
 
 import math
 
-from derod.core.bending import meniscus_slope
 from derod.core.jit import kernel
-from derod.core.layout import S_A, S_B, X_C
+from derod.core.layout import X_C
 
 CORE = 0.01  # D
 
@@ -37,24 +36,24 @@ def wall(physics, r2):
 
 
 @kernel
-def wetted_weight(mesh, kin, i):
+def wetted_weight(kin, i):
     """Return the arc length that node i stands for inside the drop."""
     weight = 0.0
-    if i > mesh.node_a:
+    if i > kin.node_a:
         weight += 0.5 * kin.rest[i - 1]
-    if i < mesh.node_b:
+    if i < kin.node_b:
         weight += 0.5 * kin.rest[i]
     return weight
 
 
 @kernel
-def wetted_weight_slope(mesh, i, s):
+def wetted_weight_slope(kin, i, s):
     """Return the derivative of ``wetted_weight`` by s_A (s = 0) or s_B (s = 1)."""
     slope = 0.0
-    if i > mesh.node_a:
-        slope += 0.5 * meniscus_slope(mesh, i - 1, s)
-    if i < mesh.node_b:
-        slope += 0.5 * meniscus_slope(mesh, i, s)
+    if i > kin.node_a:
+        slope += 0.5 * kin.slope[s, i - 1]
+    if i < kin.node_b:
+        slope += 0.5 * kin.slope[s, i]
     return slope
 
 
@@ -68,50 +67,52 @@ def squared_distance(physics, q, b, i):
 
 
 @kernel
-def wall_gap(physics, mesh, q, b):
+def wall_gap(physics, kin, q, b):
     """Return the least 1 + rho - 2 r of the wetted nodes."""
     r2 = 0.0
-    for i in range(mesh.node_a, mesh.node_b + 1):
+    for i in range(kin.node_a, kin.node_b + 1):
         r2 = max(r2, squared_distance(physics, q, b, i))
     return 1 + physics.wall_softness - 2 * math.sqrt(r2)
 
 
 @kernel
-def wall_energy(physics, mesh, kin, q, b):
+def wall_energy(physics, kin, q, b):
     """Return the integral of v over the wetted part, K0/D."""
     total = 0.0
-    for i in range(mesh.node_a, mesh.node_b + 1):
+    for i in range(kin.node_a, kin.node_b + 1):
         v, _, _ = wall(physics, squared_distance(physics, q, b, i))
-        total += wetted_weight(mesh, kin, i) * v
+        total += wetted_weight(kin, i) * v
     return total
 
 
 @kernel
-def add_wall_gradient(physics, mesh, kin, q, b, grad):
-    """Add the wall's push on the nodes, on the drop and on the menisci."""
+def add_wall_gradient(physics, kin, q, b, grad):
+    """Add the wall's push on the nodes and on the drop, and its energy by the rest lengths."""
     d = len(physics.axis)
-    for i in range(mesh.node_a, mesh.node_b + 1):
+    for i in range(kin.node_a, kin.node_b + 1):
         v, v_w, _ = wall(physics, squared_distance(physics, q, b, i))
-        push = 2 * wetted_weight(mesh, kin, i) * v_w
+        push = 2 * wetted_weight(kin, i) * v_w
         for k in range(d):
             f = push * (q[i, k] - b[X_C + k])
             grad.node[i, k] += f
             grad.border[X_C + k] -= f
-        grad.border[S_A] += wetted_weight_slope(mesh, i, 0) * v
-        grad.border[S_B] += wetted_weight_slope(mesh, i, 1) * v
+        if i > kin.node_a:
+            grad.rest[i - 1] += 0.5 * v
+        if i < kin.node_b:
+            grad.rest[i] += 0.5 * v
 
 
 @kernel
-def add_wall_hessian(physics, mesh, kin, q, b, hess):
+def add_wall_hessian(physics, kin, q, b, hess):
     """Add the wall's second derivatives; those by x_C follow in ``assembly`` from the nodes'."""
     d = len(physics.axis)
-    for i in range(mesh.node_a, mesh.node_b + 1):
+    for i in range(kin.node_a, kin.node_b + 1):
         _, v_w, v_ww = wall(physics, squared_distance(physics, q, b, i))
-        weight = wetted_weight(mesh, kin, i)
+        weight = wetted_weight(kin, i)
         for k in range(d):
             x_k = q[i, k] - b[X_C + k]
             hess.node[i, k, k] += 2 * weight * v_w
             for m in range(d):
                 hess.node[i, k, m] += 4 * weight * v_ww * x_k * (q[i, m] - b[X_C + m])
             for s in range(2):
-                hess.node_menisci[s, i, k] += 2 * wetted_weight_slope(mesh, i, s) * v_w * x_k
+                hess.node_menisci[s, i, k] += 2 * wetted_weight_slope(kin, i, s) * v_w * x_k

@@ -32,10 +32,10 @@ class Factor(NamedTuple):
     rhs_border: np.ndarray  # (m,)
 
 
-def new_factor(rows: int, width: int, borders: int) -> Factor:
-    """Return room for the factor of a band with ``rows`` rows (padding included)."""
+def new_factor(rows: int, stride: int, borders: int) -> Factor:
+    """Return room for the factor of a band of shape (rows, stride), padding included."""
     return Factor(
-        np.zeros((rows, width + 1)),
+        np.zeros((rows, stride)),
         np.zeros((rows, borders)),
         np.zeros(borders),
         np.zeros(borders),
