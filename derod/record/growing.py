@@ -13,13 +13,13 @@ import errno
 import os
 import platform
 from importlib import metadata
-from typing import Any
 
 import h5py
 import numpy as np
 
 from derod.frames import ROW, Ending, Event, Frame
 from derod.record import layout
+from derod.record.column import Column
 from derod.record.run import BaseRun
 from derod.scene import Scene
 
@@ -75,19 +75,13 @@ class GrowingFile:
 
     def _write_frame(self, frame: Frame, i: int) -> None:
         self._reserve()
-        for element, value in (
-            (layout.POSITION, frame.positions),
-            (layout.ARC_LENGTH, frame.arc_length),
-            (layout.EDGE_TENSION, frame.edge_tension),
-            (layout.DROP, frame.drop_center[None, :]),
-        ):
-            dataset = self._values[element]
-            dataset.resize(i + 1, axis=0)
-            chunk = np.ascontiguousarray(value, dtype="<f8").tobytes()
-            dataset.id.write_direct_chunk((i,) + (0,) * value.ndim, chunk)
-        _append(self._values[layout.TABLE], frame.row, i)
-        _append(self._step, frame.row["increment"], i)
-        _append(self._time, frame.row["end_shortening"], i)
+        self._values[layout.POSITION].write(i, frame.positions)
+        self._values[layout.ARC_LENGTH].write(i, frame.arc_length)
+        self._values[layout.EDGE_TENSION].write(i, frame.edge_tension)
+        self._values[layout.DROP].write(i, frame.drop_center)
+        self._values[layout.TABLE].write(i, frame.row)
+        self._step.write(i, frame.row["increment"])
+        self._time.write(i, frame.row["end_shortening"])
 
     def _write_event(self, event: Event, i: int) -> None:
         self._reserve()
@@ -102,13 +96,13 @@ class GrowingFile:
             ),
             dtype=layout.EVENT_TYPE,
         )
-        _append(self._events, record, i)
+        self._events.write(i, record)
 
     def _commit(self, frames: int, events: int) -> None:
         """Let the operating system have everything, then the counter."""
         if frames != self.frames:
-            for dataset in (*self._values.values(), self._step, self._time):
-                dataset.flush()
+            for column in (*self._values.values(), self._step, self._time):
+                column.flush()
         if events != self.events:
             self._events.flush()
         self._committed[...] = (frames, events)
@@ -175,9 +169,10 @@ class GrowingFile:
         box.attrs["dimension"] = 3
         box.attrs["boundary"] = np.array(["none"] * 3, dtype="S4")
         file["particles/drop/box"] = box
-        self._step = _growing(file, f"{layout.POSITION}/step", (), "i8", 1024)
-        self._time = _growing(file, f"{layout.POSITION}/time", (), "f8", 1024, unit="D")
-        self._time.attrs["quantity"] = "end_shortening"
+        position = layout.POSITION
+        self._step = Column(file, f"{position}/step", "i8", per_chunk=1024)
+        self._time = Column(file, f"{position}/time", "f8", per_chunk=1024, unit="D")
+        self._time.dataset.attrs["quantity"] = "end_shortening"
         shapes = {
             layout.POSITION: (self.nodes, 3),
             layout.ARC_LENGTH: (self.nodes,),
@@ -185,17 +180,17 @@ class GrowingFile:
             layout.DROP: (1, 3),
         }
         self._values = {
-            name: _growing(file, f"{name}/value", shape, "f8", 1, unit=layout.UNITS[name])
+            name: Column(file, f"{name}/value", "f8", shape, per_chunk=1, unit=layout.UNITS[name])
             for name, shape in shapes.items()
         }
-        table = _growing(file, f"{layout.TABLE}/value", (), ROW, layout.ROWS_PER_CHUNK)
+        table = Column(file, f"{layout.TABLE}/value", ROW, per_chunk=layout.ROWS_PER_CHUNK)
         for name, unit in layout.ROW_UNITS.items():
-            table.attrs[f"unit {name}"] = unit
+            table.dataset.attrs[f"unit {name}"] = unit
         self._values[layout.TABLE] = table
         for name in layout.ELEMENTS[1:]:
-            file[f"{name}/step"] = self._step
-            file[f"{name}/time"] = self._time
-        self._events = _growing(file, layout.EVENTS, (), layout.EVENT_TYPE, 16)
+            file[f"{name}/step"] = self._step.dataset
+            file[f"{name}/time"] = self._time.dataset
+        self._events = Column(file, layout.EVENTS, layout.EVENT_TYPE, per_chunk=16)
         self._ending = file.create_dataset(layout.ENDING, data=np.zeros(1, layout.ENDING_TYPE))
         self._committed = file.create_dataset(layout.COMMITTED, data=np.zeros(2, "i8"))
 
@@ -233,28 +228,3 @@ def _version(package: str) -> str:
         return metadata.version(package)
     except metadata.PackageNotFoundError:
         return "unknown"
-
-
-def _growing(
-    file: h5py.File,
-    name: str,
-    shape: tuple[int, ...],
-    dtype: Any,
-    per_chunk: int,
-    unit: str | None = None,
-) -> h5py.Dataset:
-    dataset = file.create_dataset(
-        name,
-        shape=(0, *shape),
-        maxshape=(None, *shape),
-        chunks=(per_chunk, *shape),
-        dtype=dtype,
-    )
-    if unit is not None:
-        dataset.attrs["unit"] = unit
-    return dataset
-
-
-def _append(dataset: h5py.Dataset, value: Any, i: int) -> None:
-    dataset.resize(i + 1, axis=0)
-    dataset[i] = value
