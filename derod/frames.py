@@ -41,6 +41,7 @@ ROW = np.dtype(
         ("residual", "f8"),
         ("iterations", "i4"),
         ("segment", "i4"),  # which leg of push.stop: 0, 1, ...
+        ("smooth", "?"),  # reached along the branch from the row before: no kick, no snap
         ("landing", "?"),  # this end-shortening was asked for in push.at, or is a turning point
         ("next_step", "f8"),  # what the driver would try next (end-shortening), for resuming
         ("wall_time", "f8"),  # seconds since the push began
