@@ -19,10 +19,10 @@ from derod.errors import DerodError, RecordError
 DONE, BAD_INPUT, NOT_REACHED, INTERRUPTED = 0, 2, 3, 130
 METHODS = ("implicit", "fire", "kinetic")
 
-COMMANDS: tuple[str, ...] = ()
+COMMANDS: tuple[str, ...] = ("derod.stream.cli:add_view_parser",)
 """More commands, as "module:function"; the function is given the sub-parsers to add itself to."""
 
-PUSH_WATCHERS: tuple[str, ...] = ()
+PUSH_WATCHERS: tuple[str, ...] = ("derod.stream.cli",)
 """Modules that add options to ``derod push`` and observers to the push.
 
 Each has ``add_push_options(parser)`` and ``make_observers(args, scene) -> list[Observer]``.
