@@ -6,7 +6,7 @@ from typing import Any
 
 import rerun.blueprint as rrb
 
-EYE = (2.05, 0.75, -0.85)  # D, from the drop's centre
+EYE = (1.72, 0.62, -0.72)  # D, from the drop's centre
 NIGHT = (18, 20, 26)
 
 

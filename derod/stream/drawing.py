@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -44,7 +45,7 @@ class Column:
 
     entity: str
     archetype: str
-    fields: dict[str, Sequence[np.ndarray]]
+    fields: dict[str, Any]  # of sequences
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,7 +10,7 @@ from derod.scene import Scene
 from derod.stream.geometry import tangents_with_clamps
 
 VIRIDIS = [
-    (67, 62, 133), (55, 91, 141), (43, 116, 142), (34, 141, 141), (33, 166, 133),
+    (96, 92, 172), (66, 110, 168), (43, 116, 142), (34, 141, 141), (33, 166, 133),
     (64, 189, 114), (119, 209, 83), (186, 222, 40), (253, 231, 37),
 ]  # fmt: skip
 PLASMA = [

@@ -10,6 +10,10 @@ import os
 import pickle
 import signal
 import sys
+from collections.abc import Iterator
+from pathlib import Path
+from queue import Empty, Queue
+from threading import Thread
 from typing import Any, BinaryIO
 
 import numpy as np
@@ -20,12 +24,16 @@ from derod.stream.messages import Begin, Step
 from derod.stream.target import TargetError
 
 STALLED = 30
+TOGETHER = 16  # messages drawn at once
+NICENESS = 10  # the push comes first
 LAST_WORDS = 10.0  # s for what is under way when all is said
 DONE, FAILED = 0, 1
 
 
 def main() -> int:
     """Read messages to the end and draw them."""
+    if hasattr(os, "nice"):
+        os.nice(NICENESS)
     source = sys.stdin.buffer
     heartbeat()
     try:
@@ -44,7 +52,7 @@ def show(begin: Begin, source: BinaryIO) -> int:
     """Draw what comes until there is no more."""
     from derod.stream.viewers import close_recording, open_recording
 
-    name = os.path.basename(begin.scene.path or "push")
+    name = Path(begin.scene.path or "push").name
     opened = open_recording(begin.target, name, heartbeat)
     if opened.url is not None and opened.process is not None:
         words = f"web viewer: {opened.url} (it stays until: kill {opened.process.pid})"
@@ -53,27 +61,49 @@ def show(begin: Begin, source: BinaryIO) -> int:
 
     stage = Stage(opened.recording, begin.scene, begin.color, live=True)
     last = 0
-    while True:
-        alarm(0)
-        try:
-            message = pickle.load(source)
-        except (EOFError, pickle.UnpicklingError):  # the push is over, or was killed amid a message
-            break
+    for messages in bundles(source):
         alarm(STALLED)
-        if isinstance(message, Frame):
-            batch = Batch.of([message])
-            last = int(batch.rows["increment"][0])
+        frames = [message for message in messages if isinstance(message, Frame)]
+        if frames:
+            batch = Batch.of(frames)
+            last = int(batch.rows["increment"][-1])
             stage.send(draw(batch, begin.scene, begin.color), batch.rows)
-        elif isinstance(message, Event):
-            stage.events([message])
-        elif isinstance(message, Step):
-            show_step(stage, message, begin.color)
-        elif isinstance(message, Ending):
-            stage.ending(message, last)
+        stage.events([message for message in messages if isinstance(message, Event)])
+        for message in messages:
+            if isinstance(message, Step):
+                show_step(stage, message, begin.color)
+            elif isinstance(message, Ending):
+                stage.ending(message, last)
         heartbeat()
+        alarm(0)
     alarm(STALLED)
     problem = close_recording(opened.recording, LAST_WORDS)
     return DONE if problem is None else complain(problem)
+
+
+def bundles(source: BinaryIO) -> Iterator[list[Any]]:
+    """The messages, as many at a time as are there; ends when the push does, also amid a message."""
+    queue: Queue[Any] = Queue(maxsize=2 * TOGETHER)
+
+    def read() -> None:
+        try:
+            while True:
+                queue.put(pickle.load(source))
+        except (EOFError, pickle.UnpicklingError):
+            queue.put(None)
+
+    Thread(target=read, daemon=True).start()
+    going_on = True
+    while going_on:
+        messages = [queue.get()]
+        while len(messages) < TOGETHER and messages[-1] is not None:
+            try:
+                messages.append(queue.get_nowait())
+            except Empty:
+                break
+        going_on = messages[-1] is not None
+        if messages := [message for message in messages if message is not None]:
+            yield messages
 
 
 def show_step(stage: Any, step: Step, color: str) -> None:

@@ -74,7 +74,7 @@ class Stage:
         style = rr.LineStrips3D.from_fields
         self._static("world/rod/stripe", style(radii=0.12 * RADIUS, colors=[WHITE]))
         self._static("world/rod/frame", _arrows(WHITE, 0.0015))
-        self._static("world/menisci/points", rr.Points3D.from_fields(colors=[RED], radii=0.032))
+        self._static("world/menisci/points", rr.Points3D.from_fields(colors=[RED], radii=0.042))
         self._static("world/menisci/forces", _arrows(RED, 0.009))
         self._static("world/wall", _arrows(PINK, 0.0025))
         for entity, (name, tint) in SERIES.items():
