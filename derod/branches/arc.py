@@ -8,7 +8,7 @@ import numpy as np
 
 from derod.branches import closure as col
 from derod.branches.fields import evaluate_fields
-from derod.branches.mesh import adapted, drifted
+from derod.branches.mesh import RESOLUTION, adapted, drifted
 from derod.branches.mirror import Mirror
 from derod.branches.newton import NotConverged, Settled, settle
 from derod.branches.state import HalfRod, Increment
@@ -37,11 +37,12 @@ class Control:
 
     tolerance: float = 1e-10
     first_step: float = 0.02
-    largest_step: float = 0.25
-    least_step: float = 1e-7
+    largest_step: float = 0.12
+    least_step: float = 1e-6
     turning: float = 0.25  # angle between successive tangents at which steps stop growing
     iterations: int = 4
-    resolution: float = 0.9
+    accuracy: float = 1e-8  # mesh-halving error allowed in a stored point
+    resolution: float = RESOLUTION
 
 
 @dataclass

@@ -10,7 +10,7 @@ from derod.branches.fields import Fields, evaluate_fields, interpolate
 from derod.branches.gauss import NODES, STAGES
 from derod.branches.state import HalfRod
 
-RESOLUTION = 0.9
+RESOLUTION = 1.8
 """Elements per natural length of the local linearised rod."""
 GRADING = 0.35
 """Largest change of the target element length per unit of arc length (in element lengths)."""
@@ -29,7 +29,7 @@ def density(state: HalfRod, fields: Fields) -> np.ndarray:
     out = 1.0 + turning + tension
     wet = slice(None, state.inner)
     gap = 1.0 + prm.wall_softness - 2.0 * radius[wet]
-    out[wet] += (8.0 * prm.wall_strength / gap**3) ** 0.25 + 0.3 / (radius[wet] + 1e-3)
+    out[wet] += (8.0 * prm.wall_strength / gap**3) ** 0.25 + 0.6 / (radius[wet] + 1e-3)
     s = state.node_arc_length
     left = s[:-1][np.arange(s.size - 1) != state.inner]
     points = left[:, None] + state.lengths[:, None] * NODES

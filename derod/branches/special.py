@@ -12,13 +12,14 @@ from derod.branches import closure as col
 from derod.branches.arc import Point, Tracer, frozen
 from derod.branches.linear import Reduced
 from derod.branches.mirror import FULL, PLANES, Mirror
-from derod.branches.newton import Settled, settle
+from derod.branches.newton import NotConverged, Settled, settle
 from derod.branches.state import HalfRod, Increment
 from derod.branches.straight import null_increment
 
 ARC_TOLERANCE = 1e-13
 FUNCTION_TOLERANCE = 1e-6
 """A located point must bring its test function below this share of the bracket's larger value."""
+BISECTIONS = 8
 
 
 class SpuriousPoint(ArithmeticError):  # noqa: N818 - found by its function's value, reported by the tracer
@@ -58,25 +59,36 @@ def locate(
 ) -> SpecialPoint:
     """The zero of a test function between two successive points, by Brent's method in arclength.
 
-    All evaluations are on ``left``'s mesh. Raises SpuriousPoint where the sign change has no zero.
+    All evaluations start from ``left``, on its mesh; where the far end cannot be reached from there the
+    bracket is cut in two. Raises SpuriousPoint where the sign change has no zero.
     """
-    found: dict[float, Point] = {}
+    for _ in range(BISECTIONS):
+        try:
+            tracer.advance(left, right.arc - left.arc, remesh=False)
+        except NotConverged:
+            middle = tracer.advance(left, 0.5 * (right.arc - left.arc))
+            if function(left) * function(middle) > 0.0:
+                left = middle
+            else:
+                right = middle
+        else:
+            break
+    found: dict[float, Point] = {0.0: left}
 
     def value(length: float) -> float:
-        point = left if length == 0.0 else tracer.advance(left, length, remesh=False)
-        found[length] = point
-        return function(point)
+        if length not in found:
+            found[length] = tracer.advance(left, length, remesh=False)
+        return function(found[length])
 
     span = right.arc - left.arc
     at_left, at_right = value(0.0), value(span)
     if at_left * at_right > 0.0:
         raise SpuriousPoint(f"{kind}: the sign change is the mesh's, not the path's")
     length = brentq(value, 0.0, span, xtol=ARC_TOLERANCE, rtol=1e-14)
-    point = found[length] if length in found else tracer.advance(left, length, remesh=False)
-    rest = abs(function(point)) / max(abs(at_left), abs(at_right))
+    rest = abs(value(length)) / max(abs(at_left), abs(at_right))
     if rest > FUNCTION_TOLERANCE:
         raise SpuriousPoint(f"{kind}: sign change without a zero (left over {rest:.1e})")
-    return SpecialPoint(kind, point, rest)
+    return SpecialPoint(kind, found[length], rest)
 
 
 def with_mode(special: SpecialPoint, odd: Mirror) -> SpecialPoint:

@@ -8,7 +8,7 @@ from scipy.optimize import brentq
 from derod.branches import closure as col
 from derod.branches.gauss import NODES
 from derod.branches.linear import Reduced, linearise
-from derod.branches.mesh import adapted
+from derod.branches.mesh import RESOLUTION, adapted
 from derod.branches.mirror import Mirror
 from derod.branches.newton import Settled, settle
 from derod.branches.parameters import Parameters
@@ -108,12 +108,13 @@ def first_buckled(
     held: int,
     amplitude: float,
     tolerance: float,
+    resolution: float = RESOLUTION,
 ) -> Settled:
     """A slightly buckled state: kept unknown number ``held`` fixed at ``amplitude``."""
     state = straight_state(parameters, tension)
     mode = null_increment(Reduced(linearise(state), perturbation))
     kept = np.concatenate([mode.nodes[[0, state.inner, -1]].ravel(), mode.scalars])
-    state = adapted(state.moved(mode, amplitude / kept[held]))
+    state = adapted(state.moved(mode, amplitude / kept[held]), resolution)
     closing = np.zeros((2, col.KEPT))
     closing[0, col.FGAMMA] = 1.0
     closing[1, held] = 1.0
