@@ -41,6 +41,7 @@ ROW = np.dtype(
         ("residual", "f8"),
         ("iterations", "i4"),
         ("segment", "i4"),  # which leg of push.stop: 0, 1, ...
+        ("smooth", "?"),  # reached along the branch from the row before: no kick, no snap
         ("landing", "?"),  # this end-shortening was asked for in push.at, or is a turning point
         ("next_step", "f8"),  # what the driver would try next (end-shortening), for resuming
         ("wall_time", "f8"),  # seconds since the push began
@@ -66,9 +67,9 @@ class Frame:
 class Event:
     """Something that happened between two frames.
 
-    kind: "instability" (a kick along an unstable mode and the descent from it), "snap" (no neighbouring
-    state: descent over a fold), "halving" (an increment did not converge and is retried), "turn" (a
-    turning point of push.stop), "resume".
+    kind: "instability" (a kick along an unstable mode and the descent from it), "snap" (no
+    neighbouring state: descent over a fold), "halving" (an increment did not converge and is retried),
+    "turn" (a turning point of push.stop), "resume".
     """
 
     increment: int  # the frame that follows it

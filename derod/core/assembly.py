@@ -1,0 +1,260 @@
+"""The one place that names every term: energies, residual, and the bordered band matrix.
+
+The Lagrangian is E_tot plus the constraints. Its gradient in the layout of the state is the residual
+(``r`` like q, ``rb`` like b). Its Hessian is a band of half width 3d+2 over the unknowns of q[1:],
+bordered by b and, where there is twist, by two more: the twisting moment (which makes the dense
+k3/l grad psi grad psi a row) and the turn of the coil about the clamp axis (a neutral mode, deflated).
+Row N of q is prescribed by the clamp: its positions keep unit rows.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from derod.core import layout
+from derod.core.bending import add_bending_gradient, add_bending_hessian, bending_energy
+from derod.core.jit import kernel
+from derod.core.kinematics import measure
+from derod.core.layout import X_C, Gradient, Hessian, Kinematics, Mesh
+from derod.core.menisci import add_menisci_gradient, add_menisci_hessian, capillary_energy
+from derod.core.stretch import add_stretch_gradient, add_stretch_hessian
+from derod.core.twist import add_twist_gradient, add_twist_hessian, holonomy, twisting_moment
+from derod.core.wall import add_wall_gradient, add_wall_hessian, wall_energy
+
+DEFLATION = 1e-4  # keeps the turn's row regular where the rod is straight
+
+
+class Linear(NamedTuple):
+    """A bordered band matrix [[K, B], [B^T, C]]; row-major lower diagonals of K, padded below."""
+
+    band: np.ndarray  # ((d+1)N + w, w+1), band[j, k] = K[j+k, j]
+    border: np.ndarray  # ((d+1)N + w, m)
+    corner: np.ndarray  # (m, m)
+
+
+class Room(NamedTuple):
+    """Arrays the assembly works in, made once a mesh."""
+
+    kin: Kinematics
+    grad: Gradient
+    hess: Hessian
+    r: np.ndarray  # (N+1, d+1) residual by q
+    rb: np.ndarray  # (d+5,) residual by b
+    linear: Linear
+    a: np.ndarray  # (3,) scratch vectors
+    b: np.ndarray
+    c: np.ndarray
+
+
+def half_width(d: int) -> int:
+    """Return the half width of the band in d dimensions."""
+    return 3 * d + 2
+
+
+def border_count(d: int) -> int:
+    """Return the number of border rows in d dimensions."""
+    return d + 5 + (2 if d == 3 else 0)
+
+
+def new_linear(edges: int, d: int) -> Linear:
+    """Return room for a bordered band matrix."""
+    w, m = half_width(d), border_count(d)
+    rows = (d + 1) * edges + w
+    return Linear(np.zeros((rows, w + 1)), np.zeros((rows, m)), np.zeros((m, m)))
+
+
+def new_room(mesh: Mesh, d: int) -> Room:
+    """Return room for assembling a mesh in ``d`` dimensions."""
+    edges = mesh.edges
+    return Room(
+        layout.new_kinematics(mesh, d),
+        layout.new_gradient(edges, d),
+        layout.new_hessian(edges, d),
+        np.zeros((edges + 1, d + 1)),
+        np.zeros(d + 5),
+        new_linear(edges, d),
+        np.zeros(3),
+        np.zeros(3),
+        np.zeros(3),
+    )
+
+
+@kernel
+def energies(physics, mesh, q, b, psi, end_rotation, room):
+    """Return E_bend, E_twist, E_wall, E_capillary of a state, K0/D; ``room.kin`` must be measured."""
+    moment = twisting_moment(physics, end_rotation, psi)
+    twist = 0.5 * moment * (end_rotation - psi)
+    return (
+        bending_energy(physics, room.kin, room.a, room.b),
+        twist if len(physics.axis) == 3 else 0.0,
+        wall_energy(physics, room.kin, q, b),
+        capillary_energy(physics, b),
+    )
+
+
+@kernel
+def gradient(physics, mesh, q, b, psi, end_rotation, room):
+    """Fill ``room.r``, ``room.rb`` at the state; return (psi followed, finite?).
+
+    The rows of r for the clamped ends hold the clamps' reactions: r[N, :d] is dL/dx_N, whose axial
+    part is the end tension t.
+    """
+    d = len(physics.axis)
+    kin, grad = room.kin, room.grad
+    n = kin.rest.size
+    sound = measure(physics, mesh, q, b, kin)
+    grad.edge[:] = 0.0
+    grad.node[:] = 0.0
+    grad.rest[:] = 0.0
+    grad.constraint[:] = 0.0
+    grad.border[:] = 0.0
+    add_bending_gradient(physics, kin, q, room.a, room.b, grad)
+    add_stretch_gradient(physics, kin, q, grad)
+    add_wall_gradient(physics, kin, q, b, grad)
+    add_menisci_gradient(physics, kin, q, b, grad)
+    if d == 3:
+        psi = holonomy(physics, kin, psi, room.a, room.b)
+        moment = twisting_moment(physics, end_rotation, psi)
+        add_twist_gradient(physics, kin, moment, room.a, room.b, grad)
+    for i in range(n + 1):
+        for k in range(d):
+            f = grad.node[i, k]
+            if i > 0:
+                f += grad.edge[i - 1, k]
+            if i < n:
+                f -= grad.edge[i, k]
+            room.r[i, k] = f
+        room.r[i, d] = grad.constraint[i - 1] if i > 0 else 0.0
+    room.rb[:] = grad.border
+    for s in range(2):
+        for j in range(n):
+            room.rb[s] += grad.rest[j] * kin.slope[s, j]
+    return psi, sound and np.isfinite(np.sum(room.r)) and np.isfinite(np.sum(room.rb))
+
+
+@kernel
+def hessian(physics, mesh, q, b, psi, end_rotation, room):
+    """Fill ``room.linear`` at the state whose ``gradient`` was taken last."""
+    hess = room.hess
+    for block in (hess.edge, hess.vertex, hess.node, hess.constraint):
+        block[:] = 0.0
+    hess.edge_menisci[:] = 0.0
+    hess.node_menisci[:] = 0.0
+    hess.constraint_menisci[:] = 0.0
+    hess.border[:] = 0.0
+    add_bending_hessian(physics, room.kin, q, room.a, room.b, hess)
+    add_stretch_hessian(physics, room.kin, q, hess)
+    add_wall_hessian(physics, room.kin, q, b, hess)
+    add_menisci_hessian(physics, room.kin, q, b, hess)
+    for s in range(2):
+        for j in range(hess.edge.shape[0]):
+            hess.border[s, s] += room.grad.rest[j] * room.kin.curve[s, j]
+    if len(physics.axis) == 3:
+        moment = twisting_moment(physics, end_rotation, psi)
+        add_twist_hessian(physics, room.kin, moment, room.a, room.b, room.c, hess)
+    fill_band(physics, hess, room.linear.band)
+    fill_border(physics, q, b, room)
+
+
+@kernel
+def fill_band(physics, hess, band):
+    """Turn the edge form into the lower diagonals of K, unknown (d+1)(i-1)+k being q[i, k]."""
+    d = len(physics.axis)
+    n = hess.edge.shape[0]
+    band[:] = 0.0
+    for i in range(1, n):  # free nodes
+        for k in range(d):
+            column = (d + 1) * (i - 1) + k
+            for m in range(d):
+                if m >= k:
+                    band[column, m - k] = (
+                        hess.edge[i - 1, m, k]
+                        + hess.edge[i, m, k]
+                        - hess.vertex[i, m, k]
+                        - hess.vertex[i, k, m]
+                        + hess.node[i, m, k]
+                    )
+                if i + 1 < n:
+                    band[column, d + 1 + m - k] = (
+                        -hess.edge[i, m, k] + hess.vertex[i, k, m] + hess.vertex[i + 1, k, m]
+                    )
+                if i + 2 < n:
+                    band[column, 2 * (d + 1) + m - k] = -hess.vertex[i + 1, k, m]
+    for k in range(d):
+        band[(d + 1) * (n - 1) + k, 0] = 1.0
+    for j in range(n):  # tension rows: unknown (d+1) j + d
+        row = (d + 1) * j + d
+        for node in range(max(1, j - 1), min(n - 1, j + 2) + 1):
+            for k in range(d):
+                slot = node - j + 1  # x_{j-1} ... x_{j+2} by e_{j-1}, e_j, e_{j+1}
+                value = 0.0
+                if slot >= 1:
+                    value += hess.constraint[j, slot - 1, k]
+                if slot <= 2:
+                    value -= hess.constraint[j, slot, k]
+                column = (d + 1) * (node - 1) + k
+                band[min(row, column), abs(row - column)] = value
+
+
+@kernel
+def fill_border(physics, q, b, room):
+    """Fill the border columns and the corner."""
+    d = len(physics.axis)
+    hess, grad, kin = room.hess, room.grad, room.kin
+    border, corner = room.linear.border, room.linear.corner
+    n = hess.edge.shape[0]
+    border[:] = 0.0
+    corner[:] = 0.0
+    corner[: d + 5, : d + 5] = hess.border
+    for i in range(1, n):
+        for k in range(d):
+            row = (d + 1) * (i - 1) + k
+            for s in range(2):
+                border[row, s] = (
+                    hess.edge_menisci[s, i - 1, k]
+                    - hess.edge_menisci[s, i, k]
+                    + hess.node_menisci[s, i, k]
+                )
+    for j in range(n):
+        for s in range(2):
+            border[(d + 1) * j + d, s] = hess.constraint_menisci[s, j]
+    for i in range(kin.node_a, kin.node_b + 1):  # moving the drop is moving the nodes back
+        for k in range(d):
+            row = (d + 1) * (i - 1) + k
+            for m in range(d):
+                border[row, X_C + m] = -hess.node[i, k, m]
+                corner[X_C + k, X_C + m] += hess.node[i, k, m]
+            for s in range(2):
+                corner[s, X_C + k] -= hess.node_menisci[s, i, k]
+                corner[X_C + k, s] -= hess.node_menisci[s, i, k]
+    for side in range(2):
+        i = kin.node_a if side == 0 else kin.node_b
+        for k in range(d):
+            border[(d + 1) * (i - 1) + k, X_C + d + side] = 2 * (q[i, k] - b[X_C + k])
+    if d == 3:
+        fill_twist_and_turn(physics, kin, grad, q, b, border, corner)
+
+
+@kernel
+def fill_twist_and_turn(physics, kin, grad, q, b, border, corner):
+    """Fill the last two border rows: the twisting moment and the turn about the clamp axis."""
+    n = kin.rest.size
+    moment, turn = 8, 9
+    corner[moment, moment] = -physics.length / physics.twisting
+    square = 0.0
+    for i in range(1, n):
+        row = 4 * (i - 1)
+        for k in range(3):
+            border[row + k, moment] = grad.holonomy[i - 1, k] - grad.holonomy[i, k]
+        dual = 0.5 * (kin.rest[i - 1] + kin.rest[i])
+        border[row, turn] = -dual * q[i, 1]
+        border[row + 1, turn] = dual * q[i, 0]
+        square += dual * (q[i, 0] ** 2 + q[i, 1] ** 2)
+    corner[X_C, turn] = -b[X_C + 1]
+    corner[X_C + 1, turn] = b[X_C]
+    corner[turn, X_C] = corner[X_C, turn]
+    corner[turn, X_C + 1] = corner[X_C + 1, turn]
+    square += b[X_C] ** 2 + b[X_C + 1] ** 2
+    corner[turn, turn] = -(square + DEFLATION)

@@ -1,0 +1,1 @@
+"""Linear algebra of the bordered band: factor, solve, count negative eigenvalues."""

@@ -1,0 +1,132 @@
+"""LDL^T of a symmetric indefinite band with a border, and its inertia, in O(n).
+
+    [[K, B], [B^T, C]],   K = L D L^T,   S = C - B^T K^{-1} B
+
+K is factored without pivoting: each multiplier comes after its edge's nodes, so that a pivot only
+vanishes by accident; one that does is moved to the rounding level. By Sylvester's law the whole matrix
+has as many negative eigenvalues as D and S together. S is small and is treated by its eigenvalues,
+after scaling.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from derod.core.jit import kernel
+
+TINY = 1e-14  # of the largest diagonal entry
+
+
+class Factor(NamedTuple):
+    """A factored bordered band matrix."""
+
+    lower: np.ndarray  # (n + w, w + 1): D on lower[:, 0], L's columns beside it
+    half: np.ndarray  # (n + w, m): L^{-1} B
+    scale: np.ndarray  # (m,) that makes S's rows comparable
+    values: np.ndarray  # (m,) eigenvalues of the scaled S
+    vectors: np.ndarray  # (m, m)
+    work: np.ndarray  # (m,)
+    rhs: np.ndarray  # (n + w,) room for a right side, then its solution
+    rhs_border: np.ndarray  # (m,)
+
+
+def new_factor(rows: int, stride: int, borders: int) -> Factor:
+    """Return room for the factor of a band of shape (rows, stride), padding included."""
+    return Factor(
+        np.zeros((rows, stride)),
+        np.zeros((rows, borders)),
+        np.zeros(borders),
+        np.zeros(borders),
+        np.zeros((borders, borders)),
+        np.zeros(borders),
+        np.zeros(rows),
+        np.zeros(borders),
+    )
+
+
+@kernel
+def factorize(linear, factor):
+    """Factor the matrix; return its number of negative eigenvalues, or -1 if it is not finite."""
+    lower, half = factor.lower, factor.half
+    rows, stride = lower.shape
+    n = rows - stride + 1
+    m = half.shape[1]
+    lower[:] = linear.band
+    half[:] = linear.border
+    schur = linear.corner.copy()
+    least = 0.0
+    for j in range(n):
+        least = max(least, abs(lower[j, 0]))
+    least *= TINY
+    negative = 0
+    for j in range(n):
+        pivot = lower[j, 0]
+        if abs(pivot) < least:
+            pivot = least if pivot >= 0 else -least
+            lower[j, 0] = pivot
+        negative += pivot < 0
+        inverse = 1.0 / pivot
+        for k in range(1, stride):
+            f = lower[j, k] * inverse
+            if f == 0.0:
+                continue
+            for i in range(k, stride):
+                lower[j + k, i - k] -= f * lower[j, i]
+            for i in range(m):
+                half[j + k, i] -= f * half[j, i]
+        for k in range(1, stride):
+            lower[j, k] *= inverse
+        for k in range(m):
+            f = half[j, k] * inverse
+            for i in range(m):
+                schur[k, i] -= f * half[j, i]
+    if not np.isfinite(np.sum(schur)):
+        return -1
+    for k in range(m):
+        factor.scale[k] = 1.0 / np.sqrt(np.max(np.abs(schur[k])) + 1e-300)
+    for k in range(m):
+        for i in range(m):
+            schur[k, i] *= factor.scale[k] * factor.scale[i]
+    values, vectors = np.linalg.eigh(schur)
+    factor.values[:] = values
+    factor.vectors[:] = vectors
+    for k in range(m):
+        negative += values[k] < 0
+    return negative
+
+
+@kernel
+def solve(factor, x, y):
+    """Solve in place: ``x`` ((n + w,), padding zero) and ``y`` ((m,)) are right side, then solution."""
+    lower, half, work = factor.lower, factor.half, factor.work
+    rows, stride = lower.shape
+    n = rows - stride + 1
+    m = half.shape[1]
+    for j in range(n):
+        f = x[j]
+        for k in range(1, stride):
+            x[j + k] -= lower[j, k] * f
+        f /= lower[j, 0]
+        for k in range(m):
+            y[k] -= half[j, k] * f
+    work[:] = 0.0
+    for k in range(m):
+        f = 0.0
+        for i in range(m):
+            f += factor.vectors[i, k] * factor.scale[i] * y[i]
+        f /= factor.values[k]
+        for i in range(m):
+            work[i] += factor.vectors[i, k] * f
+    for k in range(m):
+        y[k] = factor.scale[k] * work[k]
+    x[n:] = 0.0
+    for j in range(n - 1, -1, -1):
+        f = x[j]
+        for k in range(m):
+            f -= half[j, k] * y[k]
+        f /= lower[j, 0]
+        for k in range(1, stride):
+            f -= lower[j, k] * x[j + k]
+        x[j] = f

@@ -1,0 +1,17 @@
+"""The methods by their names in a scene file."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from derod.relax.implicit import Implicit
+from derod.relax.loop import Relaxer
+
+METHODS: dict[str, Callable[[], Relaxer]] = {
+    "implicit": Implicit,
+}
+
+
+def make_relaxer(name: str) -> Relaxer:
+    """Return the relaxer that a scene names (``relax.method``)."""
+    return METHODS[name]()

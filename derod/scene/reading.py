@@ -1,0 +1,170 @@
+"""From the text of a scene file to a checked Scene."""
+
+from __future__ import annotations
+
+import difflib
+import os
+import tomllib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import msgspec.structs
+
+from derod.errors import SceneError
+from derod.scene.rules import KEYS, Key, check_together
+from derod.scene.tables import (
+    Clamps,
+    Drop,
+    Mesh,
+    Model,
+    Noise,
+    Push,
+    Relax,
+    Rod,
+    Scene,
+    Table,
+)
+
+TABLES: dict[str, type[Table]] = {
+    "rod": Rod,
+    "drop": Drop,
+    "clamps": Clamps,
+    "push": Push,
+    "mesh": Mesh,
+    "relax": Relax,
+    "noise": Noise,
+    "model": Model,
+}
+
+
+def load_scene(path: str | os.PathLike[str]) -> Scene:
+    """The scene of a TOML file; raises SceneError if it cannot be read or is not allowed."""
+    name = os.fspath(path)
+    try:
+        text = Path(name).read_text(encoding="utf-8")
+    except OSError as error:
+        raise SceneError(f"cannot be read: {error.strerror or error}", file=name) from error
+    except ValueError as error:  # not UTF-8, or a null byte in the name
+        raise SceneError(f"cannot be read: {error}", file=name) from error
+    return parse_scene(text, path=name)
+
+
+def parse_scene(text: str, path: str | os.PathLike[str] | None = None) -> Scene:
+    """The scene written in ``text``; ``path`` is only named in errors. Raises SceneError."""
+    name = None if path is None else os.fspath(path)
+    try:
+        data = tomllib.loads(text)
+    except (ValueError, RecursionError) as error:
+        reason = str(error) or type(error).__name__
+        raise SceneError(f"is not valid TOML: {reason}", file=name) from error
+    return build_scene(data, name)
+
+
+def build_scene(data: Mapping[str, Any], path: str | None = None) -> Scene:
+    """The scene of nested tables of plain values, as TOML gives them. Raises SceneError."""
+    for name, value in data.items():
+        if name not in KEYS:
+            raise _unknown_table(name, path)
+        if not isinstance(value, Mapping):
+            raise SceneError(
+                "is not a table", file=path, key=name, value=value, allowed=f"[{name}]"
+            )
+    tables: dict[str, Any] = {name: _read_table(name, data.get(name, {}), path) for name in KEYS}
+    scene = Scene(**tables, path=path)
+    check_together(scene)
+    return scene
+
+
+def replace_keys(scene: Scene, changes: Mapping[str, Any]) -> Scene:
+    """See ``Scene.replace``."""
+    data = plain_tables(scene)
+    for dotted, value in changes.items():
+        table, _, name = dotted.partition(".")
+        data.setdefault(table, {})[name] = value
+    if "push.stop" in changes and "push.at" not in changes:
+        landings = data["push"].pop("at")
+        points = build_scene(data, scene.path).push
+        low, high = min(points.start, *points.stop), max(points.start, *points.stop)
+        data["push"]["at"] = [value for value in landings if low <= value <= high]
+    return build_scene(data, scene.path)
+
+
+def plain_tables(scene: Scene) -> dict[str, dict[str, Any]]:
+    """The scene as nested tables of plain values; ``build_scene`` gives an equal scene."""
+    return {
+        table: {
+            name: list(value) if isinstance(value, tuple) else value
+            for name in struct.__struct_fields__
+            for value in [getattr(struct, name)]
+        }
+        for table, struct in scene.tables().items()
+    }
+
+
+def _read_table(table: str, data: Mapping[str, Any], path: str | None) -> Table:
+    keys, struct = KEYS[table], TABLES[table]
+    for name in data:
+        if name not in keys:
+            raise _unknown_key(table, name, path)
+    for name in keys:
+        if name in _required(struct) and name not in data:
+            allowed = keys[name].allowed
+            raise SceneError("is missing", file=path, key=f"{table}.{name}", allowed=allowed)
+    values = {name: _read_key(f"{table}.{name}", keys[name], data[name], path) for name in data}
+    if "at" in values:
+        values["at"] = tuple(sorted(values["at"]))
+    return struct(**values)
+
+
+def _read_key(key: str, rule: Key, value: Any, path: str | None) -> Any:
+    if rule.many == "no" or (rule.many == "or" and not isinstance(value, list)):
+        single = _read_value(key, rule, value, path)
+        return single if rule.many == "no" else (single,)
+    if not isinstance(value, list):
+        raise SceneError("is not a list", file=path, key=key, value=value, allowed=rule.allowed)
+    if rule.many == "or" and not value:
+        raise SceneError("is empty", file=path, key=key, value=value, allowed=rule.allowed)
+    return tuple(_read_value(f"{key}[{i}]", rule, item, path) for i, item in enumerate(value))
+
+
+def _read_value(key: str, rule: Key, value: Any, path: str | None) -> Any:
+    try:
+        result = rule.read(value)
+        if not rule.holds(result):
+            raise ValueError("is out of range")
+    except ValueError as error:
+        raise SceneError(
+            str(error), file=path, key=key, value=value, allowed=rule.allowed
+        ) from error
+    return result
+
+
+def _required(struct: type[Table]) -> set[str]:
+    return {field.name for field in msgspec.structs.fields(struct) if field.required}
+
+
+def _unknown_table(name: str, path: str | None) -> SceneError:
+    homes = [table for table, keys in KEYS.items() if name in keys]
+    allowed = f"[{homes[0]}] {name}" if homes else f"the tables {_listed(KEYS)}"
+    return SceneError(f"is unknown{_nearest(name, KEYS)}", file=path, key=name, allowed=allowed)
+
+
+def _unknown_key(table: str, name: str, path: str | None) -> SceneError:
+    homes = [other for other, keys in KEYS.items() if name in keys]
+    hint = f" (it belongs to [{homes[0]}])" if homes else _nearest(name, KEYS[table])
+    return SceneError(
+        f"is unknown{hint}",
+        file=path,
+        key=f"{table}.{name}",
+        allowed=f"the keys {_listed(KEYS[table])} of [{table}]",
+    )
+
+
+def _nearest(name: str, names: Mapping[str, Any]) -> str:
+    near = difflib.get_close_matches(name, list(names), n=1)
+    return f" (did you mean {near[0]}?)" if near else ""
+
+
+def _listed(names: Mapping[str, Any]) -> str:
+    return ", ".join(names)

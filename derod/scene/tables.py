@@ -1,0 +1,137 @@
+"""The tables of a scene file as frozen objects.
+
+Lengths are in D (the drop's diameter), forces in K0/D^2, stiffnesses in K0, energies in K0/D,
+angles in radians.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import msgspec
+
+
+class Table(msgspec.Struct, frozen=True, kw_only=True):
+    """One table of a scene; its fields are the keys of the file."""
+
+
+class Rod(Table, frozen=True, kw_only=True):
+    """The elastic rod between the two clamps."""
+
+    length: float
+    """l = L/D, the length between the clamps."""
+    bending: float
+    """K/K0, of an isotropic section."""
+    twisting: float
+    """k3 = K3/K0."""
+
+
+class Drop(Table, frozen=True, kw_only=True):
+    """The liquid drop: capillary pull at the menisci and a soft wall inside."""
+
+    capillary_force: float
+    """f_gamma, K0/D^2: the energy gained for a unit length of rod wetted."""
+    wall_strength: float
+    """v0, K0/D^2, in v(r) = v0 / (1 + rho - 2 r)."""
+    wall_softness: float
+    """rho, D: the wall diverges at r = (1 + rho)/2."""
+    weight: float = 0.0
+    """Of the drop, K0/D^2."""
+
+
+class Clamps(Table, frozen=True, kw_only=True):
+    """The two clamps, facing each other on one axis."""
+
+    end_rotation: float = 0.0
+    """R, rad: how far the end clamp is turned about the axis."""
+
+
+class Push(Table, frozen=True, kw_only=True):
+    """The path of the end-shortening delta, in D."""
+
+    start: float = 0.001 * math.pi
+    """The first increment."""
+    stop: tuple[float, ...]
+    """The turning points, the last of which ends the push. One number in the file gives a tuple."""
+    at: tuple[float, ...] = ()
+    """End-shortenings to land on exactly, in increasing order."""
+    max_step: float = 0.02 * math.pi
+    """The largest increment."""
+
+
+class Mesh(Table, frozen=True, kw_only=True):
+    """The discrete rod."""
+
+    edges: int = 300
+    """N; there are N + 1 nodes."""
+
+
+class Relax(Table, frozen=True, kw_only=True):
+    """How an increment is settled."""
+
+    method: str = "implicit"
+    """"implicit", "fire" or "kinetic"."""
+    tolerance: float = 1e-9
+    """On the residual force, K0/D^2, before the scaling with the mesh."""
+
+
+class Noise(Table, frozen=True, kw_only=True):
+    """The seeded disturbance that breaks symmetries."""
+
+    seed: int = 0
+    amplitude: float = 1e-3
+    """D; zero leaves symmetric data symmetric."""
+
+
+class Model(Table, frozen=True, kw_only=True):
+    """What is modelled."""
+
+    dimension: int = 3
+    """3, or 2 for a rod that stays in its plane."""
+
+
+class Scene(msgspec.Struct, frozen=True, kw_only=True, eq=False):
+    """Everything a push needs to know. Two scenes are equal when all their tables are."""
+
+    rod: Rod
+    drop: Drop
+    clamps: Clamps = Clamps()
+    push: Push
+    mesh: Mesh = Mesh()
+    relax: Relax = Relax()
+    noise: Noise = Noise()
+    model: Model = Model()
+    path: str | None = None
+    """The file it came from, for messages."""
+
+    @property
+    def text(self) -> str:
+        """The scene as canonical TOML; parsing it gives an equal scene."""
+        from derod.scene.writing import dump_scene
+
+        return dump_scene(self)
+
+    def replace(self, changes: Mapping[str, Any]) -> Scene:
+        """A new, checked scene with e.g. ``{"mesh.edges": 150, "push.stop": "0.6 pi"}`` changed.
+
+        Landings (``push.at``) that a changed ``push.stop`` no longer reaches are dropped.
+        Raises SceneError, as reading a file with these values would.
+        """
+        from derod.scene.reading import replace_keys
+
+        return replace_keys(self, changes)
+
+    def tables(self) -> dict[str, Table]:
+        """The tables by name, in the order of the file."""
+        names = (name for name in self.__struct_fields__ if name != "path")
+        return {name: getattr(self, name) for name in names}
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Scene):
+            return NotImplemented
+        return self.tables() == other.tables()
+
+    def __hash__(self) -> int:
+        return hash(tuple(self.tables().values()))

@@ -1,0 +1,61 @@
+"""From a Scene back to text: canonical TOML, and its dimensionless groups."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+from derod.scene.quantities import write_quantity
+from derod.scene.rules import QUANTITIES, covered_range
+from derod.scene.tables import Scene
+
+
+def dump_scene(scene: Scene) -> str:
+    """Canonical TOML of ``scene``, every key written out; ``parse_scene`` gives an equal scene."""
+    blocks = []
+    for table, struct in scene.tables().items():
+        lines = [f"[{table}]"]
+        for name in struct.__struct_fields__:
+            angle = (table, name) in QUANTITIES
+            lines.append(f"{name} = {_toml(getattr(struct, name), angle)}")
+        blocks.append("\n".join(lines) + "\n")
+    return "\n".join(blocks)
+
+
+def _toml(value: Any, angle: bool) -> str:
+    if isinstance(value, tuple):
+        return "[" + ", ".join(_toml(item, angle) for item in value) + "]"
+    if isinstance(value, str):
+        return f'"{value}"'  # only the names of methods are strings, nothing to escape
+    return write_quantity(value) if angle and isinstance(value, float) else repr(value)
+
+
+class Group(NamedTuple):
+    """A dimensionless number of a scene."""
+
+    symbol: str
+    value: float
+    meaning: str
+
+
+def dimensionless_groups(scene: Scene) -> list[Group]:
+    """The numbers that decide what the rod of ``scene`` does, D and K being its units."""
+    rod, drop = scene.rod, scene.drop
+    low, high = covered_range(scene)
+    pull = drop.capillary_force / rod.bending
+    return [
+        Group("l", rod.length, "rod length over drop diameter"),
+        Group("k3/K", rod.twisting / rod.bending, "twisting over bending stiffness"),
+        Group("f_gamma D^2/K", pull, "capillary force; above 2 a coil on the wall pays off"),
+        Group("L_EC/D", 1.0 / math.sqrt(pull), "elastocapillary length sqrt(K/f_gamma)"),
+        Group("v0 D^2/K", drop.wall_strength / rod.bending, "strength of the wall"),
+        Group("rho", drop.wall_softness, "softness of the wall, which diverges at (1 + rho)/2"),
+        Group("v0/(rho f_gamma)", drop.wall_strength / drop.wall_softness / drop.capillary_force,
+              "wall energy at a meniscus over the capillary force"),
+        Group("R/(2 pi)", scene.clamps.end_rotation / (2.0 * math.pi), "turns of the end clamp"),
+        Group("delta_min/pi", low / math.pi, "least end-shortening"),
+        Group("delta_max/pi", high / math.pi, "largest end-shortening, about the number of loops"),
+        Group("delta_end/pi", (rod.length - 1.0) / math.pi, "where the outer rod about runs out"),
+        Group("t_coil", drop.capillary_force - 2.0 * rod.bending,
+              "tension of a coil on a hard wall, K0/D^2"),
+    ]  # fmt: skip
