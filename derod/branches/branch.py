@@ -41,6 +41,7 @@ class Stored:
     values: dict[str, float]
     error: float
     label: str = ""
+    unstable_modes: int = -1
 
 
 @dataclass(frozen=True)

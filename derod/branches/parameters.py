@@ -5,12 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from derod.errors import SceneError
+
 if TYPE_CHECKING:
     from derod.scene import Scene
-
-
-class UnsupportedSceneError(ValueError):
-    """The scene has a term that the paper's boundary-value problem leaves out."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,6 +24,8 @@ class Parameters:
     wall_strength: float = 2e-4  # v0
     wall_softness: float = 0.1  # rho
     end_rotation: float = 0.0  # R
+    bending: float = 1.0
+    """K/K0: all of the above is in units of K; what is reported is multiplied back to units of K0."""
 
     @property
     def meniscus_wall(self) -> float:
@@ -45,19 +45,25 @@ class Parameters:
     def from_scene(cls, scene: Scene) -> Parameters:
         """Take the numbers of a scene, forces divided by its bending stiffness.
 
-        Raises UnsupportedSceneError for a drop with weight or a rod with two bending stiffnesses:
-        the flip-symmetric equations hold for isotropic rods and weightless drops only.
+        Raises SceneError for a drop with weight or a rod with two bending stiffnesses: the
+        flip-symmetric equations hold for isotropic rods and weightless drops only.
         """
         bending = scene.rod.bending
         if not isinstance(bending, int | float):
-            raise UnsupportedSceneError(
-                f"{scene.path}: rod.bending = {list(bending)}: branches need one number "
-                "(the paper's boundary-value problem is for isotropic rods)"
+            raise SceneError(
+                "has no branches: the paper's boundary-value problem is for isotropic rods",
+                file=scene.path,
+                key="rod.bending",
+                value=bending,
+                allowed="one number",
             )
         if scene.drop.weight != 0.0:
-            raise UnsupportedSceneError(
-                f"{scene.path}: drop.weight = {scene.drop.weight}: branches need weight = 0 "
-                "(the paper's boundary-value problem is for a weightless drop)"
+            raise SceneError(
+                "has no branches: the paper's boundary-value problem is for a weightless drop",
+                file=scene.path,
+                key="drop.weight",
+                value=scene.drop.weight,
+                allowed="0",
             )
         return cls(
             length=scene.rod.length,
@@ -66,4 +72,5 @@ class Parameters:
             wall_strength=scene.drop.wall_strength / bending,
             wall_softness=scene.drop.wall_softness,
             end_rotation=scene.clamps.end_rotation,
+            bending=bending,
         )

@@ -20,6 +20,7 @@ from derod.branches.fields import evaluate_fields, interpolate
 from derod.branches.gauss import NODES, STAGES
 from derod.branches.parameters import Parameters
 from derod.branches.state import HalfRod
+from derod.errors import RecordError
 
 if TYPE_CHECKING:
     from derod.branches.branch import Branch
@@ -60,8 +61,16 @@ BIFURCATION = np.dtype(
 )
 
 
-class BadBranchFileError(OSError):
-    """The file is not a complete branch file."""
+SCALED = (
+    "end_tension",
+    "energy_hat",
+    "energy_total",
+    "energy_bend",
+    "energy_twist",
+    "energy_wall",
+    "meniscus_force",
+)
+"""Columns multiplied by K/K0, so that files are in units of K0 as run files are."""
 
 
 def write_branches(
@@ -90,6 +99,8 @@ def _write_branch(group: h5py.Group, branch: Branch) -> None:
     for row, point in zip(table, branch.points, strict=True):
         for name, value in point.values.items():
             row[name] = value
+        for name in SCALED:
+            row[name] *= point.state.parameters.bending
         row["error"] = point.error
         row["unstable_modes"] = point.unstable_modes
         row["elements"] = point.state.eta.size
@@ -171,15 +182,11 @@ class StoredBranch:
         The second half is computed, the first is its image under the half turn about e_y.
         """
         _, w = self.half_rod(i)
-        r = w - self.drop_offset(i)
+        r = w + np.array([0.0, self.table[i]["drop_y"], 0.0])
         image = r[::-1] * np.array([-1.0, 1.0, -1.0])
         r = np.vstack([image, r[1:]])
         r[:, 2] += 0.5 * (self.parameters.length - self.table[i]["end_shortening"])
         return r
-
-    def drop_offset(self, i: int) -> np.ndarray:
-        """-r_C (3,) in the paper's frame, whose origin lies on the clamp axis at the rod's middle."""
-        return np.array([0.0, -self.table[i]["drop_y"], 0.0])
 
     def drop_center(self, i: int) -> np.ndarray:
         """Centre of the drop (3,) in the frame of ``positions``, D."""
@@ -215,13 +222,11 @@ class BranchFile:
         self.path = Path(path)
         try:
             self._file = h5py.File(self.path, "r")
-        except FileNotFoundError:
-            raise
         except OSError as error:
-            raise BadBranchFileError(f"{path}: not a readable HDF5 file ({error})") from error
+            raise RecordError(f"{path}: cannot be read as HDF5: {error}") from error
         if self._file.attrs.get("format") != FORMAT:
             self._file.close()
-            raise BadBranchFileError(f"{path}: not a branch file (format {FORMAT} wanted)")
+            raise RecordError(f"{path}: not a branch file (format {FORMAT} wanted)")
         attrs = self._file.attrs
         self.parameters = Parameters(**{f.name: float(attrs[f.name]) for f in fields(Parameters)})
         self.scene_text = str(attrs["scene"])
@@ -274,6 +279,6 @@ def open_branches(path: str | Path) -> BranchFile:
 
     ``file["3D"].table`` has the fields of POINT (units: D, K0/D^2, K0/D), ``.positions(i)`` (2k-1, 3) the centre
     line, ``.arc_length(i)``, ``.drop_center(i)`` (3,), ``.bifurcations`` the special points.
-    Raises FileNotFoundError, BadBranchFileError.
+    Raises RecordError.
     """
     return BranchFile(path)
