@@ -37,7 +37,7 @@ class Control:
 
     tolerance: float = 1e-10
     first_step: float = 0.02
-    largest_step: float = 0.12
+    largest_step: float = 0.18
     least_step: float = 1e-6
     turning: float = 0.25  # angle between successive tangents at which steps stop growing
     iterations: int = 4
@@ -71,7 +71,9 @@ class Point:
 class Tracer:
     """Steps along one path: ``held`` is the kept scalar that does not change (f_gamma or delta)."""
 
-    def __init__(self, mirror: Mirror, control: Control, capillary_force: float, held: int = col.FGAMMA) -> None:
+    def __init__(
+        self, mirror: Mirror, control: Control, capillary_force: float, held: int = col.FGAMMA
+    ) -> None:
         self.mirror = mirror
         self.control = control
         self.metric = metric(capillary_force)
@@ -85,7 +87,9 @@ class Tracer:
         )[0]
         return Point(settled, tangent / np.sqrt(self.metric @ tangent**2), arc)
 
-    def advance(self, point: Point, length: float, previous: Point | None = None, remesh: bool = True) -> Point:
+    def advance(
+        self, point: Point, length: float, previous: Point | None = None, remesh: bool = True
+    ) -> Point:
         """The settled point whose projection on ``point``'s tangent lies ``length`` further.
 
         ``previous`` (the point before, on the same mesh) makes the prediction second order. Raises

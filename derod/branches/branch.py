@@ -110,7 +110,9 @@ def finish_at_end(tracer: Tracer, points: list[Point]) -> None:
         points[-1] = locate(tracer, points[-2], points[-1], left_over, "end").point
 
 
-def special_points(tracer: Tracer, points: list[Point], odd: Mirror | None) -> list[tuple[int, SpecialPoint]]:
+def special_points(
+    tracer: Tracer, points: list[Point], odd: Mirror | None
+) -> list[tuple[int, SpecialPoint]]:
     """Folds and, on planar paths, pitchforks; each with the index of the point it follows.
 
     A sign change without a zero is passed over (mesh changes can shake the sign near a double zero).

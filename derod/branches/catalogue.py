@@ -120,7 +120,14 @@ class Catalogue:
         tension = buckling_tensions(self.parameters, mode)[0]
         held = col.NODE_0 + 1
         settled = first_buckled(
-            self.parameters, tension, mode, mirror, held, AMPLITUDE, control.tolerance, control.resolution
+            self.parameters,
+            tension,
+            mode,
+            mirror,
+            held,
+            AMPLITUDE,
+            control.tolerance,
+            control.resolution,
         )
         tracer = self.tracer(mirror)
         start = tracer.begin(settled, frozen(held))
@@ -257,11 +264,20 @@ class Catalogue:
                 continue
             break
         else:
-            raise PathNotFound("Pt: the straight rod's second mode does not buckle at any f_gamma tried")
+            raise PathNotFound(
+                "Pt: the straight rod's second mode does not buckle at any f_gamma tried"
+            )
         control = self.control
         held = col.NODE_0 + 5
         settled = first_buckled(
-            strong, tension, STRAIGHT_S, S_EVEN, held, AMPLITUDE, control.tolerance, control.resolution
+            strong,
+            tension,
+            STRAIGHT_S,
+            S_EVEN,
+            held,
+            AMPLITUDE,
+            control.tolerance,
+            control.resolution,
         )
         tracer = self.tracer(S_EVEN)
         goal = min(PT_END_SHORTENING, 0.5 * (self.parameters.length - 1.0))
@@ -271,7 +287,9 @@ class Catalogue:
             lambda p: "there" if p.state.end_shortening > goal else end_reason(goal)(p),
         )
         if points[-1].state.end_shortening <= goal:
-            raise PathNotFound("Pt: the second mode's path does not reach the end-shortening wanted")
+            raise PathNotFound(
+                "Pt: the second mode's path does not reach the end-shortening wanted"
+            )
         lowering = self.tracer(S_EVEN, held=col.DELTA)
         points, _ = collect(
             lowering,

@@ -27,7 +27,7 @@ def add_branch_parser(subparsers: Any) -> argparse.ArgumentParser:
         "--tolerance", type=float, default=1e-10, help="largest residual of any equation (1e-10)"
     )
     parser.add_argument(
-        "--max-step", type=float, default=0.12, help="largest step of arclength (0.12)"
+        "--max-step", type=float, default=0.18, help="largest step of arclength (0.18)"
     )
     parser.add_argument(
         "--accuracy",
@@ -35,11 +35,11 @@ def add_branch_parser(subparsers: Any) -> argparse.ArgumentParser:
         default=1e-8,
         help="mesh-halving error allowed in a stored point (1e-8)",
     )
+    parser.add_argument("--no-stability", action="store_true", help="do not count unstable modes")
     parser.add_argument(
-        "--no-stability", action="store_true", help="do not count unstable modes"
-    )
-    parser.add_argument(
-        "--export", choices=["auto"], help="write a branch file as a table of AUTO's b.-file columns"
+        "--export",
+        choices=["auto"],
+        help="write a branch file as a table of AUTO's b.-file columns",
     )
     parser.add_argument("--quiet", action="store_true", help="no progress")
     parser.set_defaults(func=run_branch)
@@ -66,15 +66,15 @@ def _compute(args: argparse.Namespace) -> int:
     if args.output is None:
         return _complain("-o FILE is missing: where the branches shall be written")
     if not Path(args.output).parent.is_dir():
-        return _complain(f"-o = {args.output}: no such folder; allowed: a file in an existing folder")
+        return _complain(
+            f"-o = {args.output}: no such folder; allowed: a file in an existing folder"
+        )
     try:
         scene = load_scene(args.scene)
         parameters = Parameters.from_scene(scene)
     except DerodError as error:
         return _complain(str(error))
-    control = Control(
-        tolerance=args.tolerance, largest_step=args.max_step, accuracy=args.accuracy
-    )
+    control = Control(tolerance=args.tolerance, largest_step=args.max_step, accuracy=args.accuracy)
     names = None
     if args.paths is not None:
         names = [name.strip() for name in args.paths.split(",") if name.strip()]

@@ -86,5 +86,7 @@ def compute_branches(
         found = [branch.name for branch in branches]
         for one in asked:
             if not any(wanted(name, [one]) for name in found):
-                complaints.append(f"{one}: not met by the paths followed ({', '.join(catalogue.paths)})")
+                complaints.append(
+                    f"{one}: not met by the paths followed ({', '.join(catalogue.paths)})"
+                )
     return branches, complaints

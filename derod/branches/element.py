@@ -244,10 +244,14 @@ def condense(nodes, Q, eta, inner, half, p, k3, strength, softness, A, r, X):  #
                         C[2, b] -= W[j, 0] * T[1, b] - W[j, 1] * T[0, b]
                 for a in range(3):
                     for b in range(4):
-                        CE[a, b] = C[a, 0] * E[l, 0, b] + C[a, 1] * E[l, 1, b] + C[a, 2] * E[l, 2, b]
+                        CE[a, b] = (
+                            C[a, 0] * E[l, 0, b] + C[a, 1] * E[l, 1, b] + C[a, 2] * E[l, 2, b]
+                        )
                 for a in range(4):
                     for b in range(4):
-                        PQ[j, l, a, b] = L[a, 0] * CE[0, b] + L[a, 1] * CE[1, b] + L[a, 2] * CE[2, b]
+                        PQ[j, l, a, b] = (
+                            L[a, 0] * CE[0, b] + L[a, 1] * CE[1, b] + L[a, 2] * CE[2, b]
+                        )
             m0, m1, m2 = 0.5 * Mm[j, 0], 0.5 * Mm[j, 1], 0.5 * Mm[j, 2]
             t = 0.5 * twist
             own = PQ[j, j]

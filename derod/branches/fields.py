@@ -36,9 +36,7 @@ def _fields(nodes, Q, h, inner, p, k3, strength, softness, D, W, N, M, rates):  
     for e in range(h.size):
         wet = e < inner
         y = nodes[e if wet else e + 1]
-        gap = stages(
-            y, Q[e], h[e], p, k3, strength, softness, wet, D[e], W[e], G, H, N[e], M[e], P
-        )
+        gap = stages(y, Q[e], h[e], p, k3, strength, softness, wet, D[e], W[e], G, H, N[e], M[e], P)
         least = min(least, gap)
         for k in range(m):
             for i in range(3):

@@ -57,12 +57,17 @@ def linearise(state: HalfRod) -> Elements:
     force = jump(state.nodes[state.inner], state.scalars[5], prm.meniscus_wall, after, jacobian)
     rows, rows_jacobian = np.empty(ROWS), np.empty((ROWS, KEPT))
     conditions(
-        state.kept, 0.5 * prm.length, prm.twisting, prm.end_rotation, after, jacobian, rows, rows_jacobian
+        state.kept,
+        0.5 * prm.length,
+        prm.twisting,
+        prm.end_rotation,
+        after,
+        jacobian,
+        rows,
+        rows_jacobian,
     )
     jump_residual = after - state.nodes[state.inner + 1]
-    residual = max(
-        stage_residual, np.abs(r).max(), np.abs(rows).max(), np.abs(jump_residual).max()
-    )
+    residual = max(stage_residual, np.abs(r).max(), np.abs(rows).max(), np.abs(jump_residual).max())
     return Elements(
         state, A, r, X, jump_residual, jacobian, force, rows, rows_jacobian, gap, float(residual)
     )

@@ -48,7 +48,9 @@ def _graded(points: np.ndarray, values: np.ndarray) -> np.ndarray:
     return 1.0 / np.minimum(forward, backward)
 
 
-def _interval(points: np.ndarray, values: np.ndarray, length: float) -> tuple[np.ndarray, np.ndarray]:
+def _interval(
+    points: np.ndarray, values: np.ndarray, length: float
+) -> tuple[np.ndarray, np.ndarray]:
     """Knots on [0, length] and the graded density's integral up to them."""
     graded = _graded(points, values)
     knots = np.concatenate([[0.0], points, [length]])

@@ -34,7 +34,9 @@ class Mirror:
 
 
 def _mirror(name: str, states: list[int], parameters: list[int], conditions: list[int]) -> Mirror:
-    return Mirror(name, *(np.array(part, dtype=np.int64) for part in (states, parameters, conditions)))
+    return Mirror(
+        name, *(np.array(part, dtype=np.int64) for part in (states, parameters, conditions))
+    )
 
 
 _CX, _CZ, _U3, _SIGMA = 10, 11, 12, 13

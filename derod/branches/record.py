@@ -191,7 +191,9 @@ class StoredBranch:
     def drop_center(self, i: int) -> np.ndarray:
         """Centre of the drop (3,) in the frame of ``positions``, D."""
         row = self.table[i]
-        return np.array([0.0, row["drop_y"], 0.5 * (self.parameters.length - row["end_shortening"])])
+        return np.array(
+            [0.0, row["drop_y"], 0.5 * (self.parameters.length - row["end_shortening"])]
+        )
 
 
 def _stage_guess(state: HalfRod) -> np.ndarray:
@@ -269,7 +271,10 @@ class BranchFile:
         return self
 
     def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
     ) -> None:
         self.close()
 

@@ -22,7 +22,9 @@ class NoBuckling(ArithmeticError):  # noqa: N818 - an outcome, not a fault
     """The straight rod does not buckle in this mirror class."""
 
 
-def straight_state(parameters: Parameters, tension: float, inner: int = 16, outer: int = 16) -> HalfRod:
+def straight_state(
+    parameters: Parameters, tension: float, inner: int = 16, outer: int = 16
+) -> HalfRod:
     """The straight rod under an end tension (K0/D^2), twisted by R/l, drop at its middle."""
     prm = parameters
     half = 0.5 * prm.length
