@@ -165,16 +165,16 @@ class Push:
         self.adapt(length, solution.iterations)
         return increment
 
-    def relax(self, start: State) -> Solution:
+    def relax(self, start: State, *, descend: bool = False) -> Solution:
         """Relax ``start``, under the eyes of those who want to see every step."""
         if not self.watchers:
-            return relax(self.relaxer, self.system, start)
+            return relax(self.relaxer, self.system, start, descend=descend)
 
         def watch(iteration: int, state: State, report: Report) -> None:
             for observer in self.watchers:
                 observer.relaxation(self.count, iteration, state, report)
 
-        return relax(self.relaxer, self.system, start, watch=watch)
+        return relax(self.relaxer, self.system, start, watch=watch, descend=descend)
 
     def retry(self, length: float, factor: float, solution: Solution) -> None:
         """Shorten the step after an increment that did not converge, or give up."""
@@ -223,7 +223,7 @@ class Push:
         value = np.nan
         for attempt in range(MOST_KICKS):
             value, kicked = self.kicked(state, amplitude * STRONGER**attempt, attempt)
-            solution = self.relax(kicked)
+            solution = self.relax(kicked, descend=True)
             iterations += solution.iterations
             if not solution.converged:
                 continue
