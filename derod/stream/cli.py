@@ -97,7 +97,7 @@ def add_view_parser(commands: Any) -> None:
         help="show it in a viewer that runs already",
     )
     _add_color(parser)
-    parser.set_defaults(run=run_view, writes=False)
+    parser.set_defaults(command=run_view, writes=False)
 
 
 def run_view(args: argparse.Namespace) -> int:
