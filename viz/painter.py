@@ -22,6 +22,7 @@ RADIUS = 0.021  # D
 FINEST = 0.012  # D between rings
 LIGHT = unit(np.array([-0.45, 0.75, 0.6]))  # in view: right, up, toward the eye
 DISCS = 26
+GLOW = 0.035
 
 
 @dataclass(frozen=True)
@@ -165,7 +166,7 @@ def paint_drop(axes: Axes, theme: Theme, radius: float = 0.5) -> None:
             Circle(
                 (-0.10 * part * radius, 0.16 * part * radius),
                 radius * (1 - 0.78 * part),
-                facecolor=(*(water + (1 - water) * 0.75 * part), 0.16 if k == 0 else 0.028),
+                facecolor=(*water, 0.42) if k == 0 else (*(water + (1 - water) * 0.8), GLOW),
                 edgecolor="none",
                 zorder=2,
             )
