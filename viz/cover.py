@@ -28,18 +28,18 @@ def figure(
     import matplotlib.pyplot as plt
 
     made = plt.figure(figsize=size)
-    left = made.add_axes((0.005, 0.02, 0.565, 0.96))
+    left = made.add_axes((0.0, 0.0, 0.6, 1.0))
     shape = run_shape(run, at)
     paint_coil(left, run, shape, theme, coil_angle(shape) + turn)
-    right = made.add_axes((0.655, 0.17, 0.325, 0.72))
+    right = made.add_axes((0.675, 0.17, 0.305, 0.70))
     draw_curve(right, run, shape, theme)
     return made
 
 
 def paint_coil(axes: Axes, run: Any, shape: Shape, theme: Theme, angle: float) -> None:
     """The coil, seen from ``angle`` about the clamps' axis."""
-    paint_shape(axes, shape, turned(angle, 0.28), theme, theme.paths["3D"], 0.023, reach=0.78)
-    axes.set_ylim(-0.64, 0.64)
+    paint_shape(axes, shape, turned(angle, 0.28), theme, theme.paths["3D"], 0.023, reach=0.84)
+    axes.set_ylim(-0.65, 0.65)
 
 
 def draw_curve(axes: Axes, run: Any, shape: Shape, theme: Theme) -> None:

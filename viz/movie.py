@@ -35,8 +35,8 @@ def draw_frame(figure: Figure, run: Any, end_shortening: float, angle: float, th
     """One picture: the coil seen from ``angle`` (rad) about the clamps' axis, and the curve so far."""
     figure.clear()
     shape = run_shape(run, end_shortening)
-    paint_coil(figure.add_axes((0.005, 0.02, 0.565, 0.96)), run, shape, theme, angle)
-    draw_curve(figure.add_axes((0.665, 0.19, 0.315, 0.68)), run, shape, theme)
+    paint_coil(figure.add_axes((0.0, 0.0, 0.6, 1.0)), run, shape, theme, angle)
+    draw_curve(figure.add_axes((0.685, 0.2, 0.295, 0.65)), run, shape, theme)
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -47,7 +47,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--frames", type=int, default=120)
     parser.add_argument("--rate", type=int, default=20, help="frames a second")
     parser.add_argument("--width", type=int, default=640, help="pixels")
-    parser.add_argument("--colors", type=int, default=64, help="of a GIF's palette")
+    parser.add_argument("--colors", type=int, default=160, help="of a GIF's palette")
     parser.add_argument("--style", choices=sorted(THEMES), default="dark")
     args = parser.parse_args(arguments)
     suffix = Path(args.output).suffix

@@ -1,7 +1,7 @@
 """Paint a tube in a drop: orthographic, sorted by depth, shaded; vector graphics throughout.
 
 Every tube is cut into quadrilaterals that are painted back to front as one PolyCollection; the drop is
-a translucent disc painted between what lies behind it and what lies before its centre plane.
+a shaded disc behind the tube, and what lies deep in it takes on its colour.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from derod.stream.geometry import point_at, unit
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import to_rgb
-from matplotlib.patches import Circle, Polygon
+from matplotlib.patches import Circle, Polygon, Rectangle
 from reading import Shape
 from style import Theme
 
@@ -21,8 +21,7 @@ SIDES = 14
 RADIUS = 0.021  # D
 FINEST = 0.012  # D between rings
 LIGHT = unit(np.array([-0.45, 0.75, 0.6]))  # in view: right, up, toward the eye
-DISCS = 26
-GLOW = 0.035
+DISCS = 48
 
 
 @dataclass(frozen=True)
@@ -118,7 +117,7 @@ def paint_shape(
     """
     points, s = finer(shape.positions - shape.drop_center, shape.arc_length)
     seen = eye.see(points)
-    kept = np.abs(seen[:, 0]) < reach + 0.1
+    kept = np.abs(seen[:, 0]) < reach + 0.25
     first, last = np.flatnonzero(kept)[[0, -1]]
     seen, s = seen[first : last + 1], s[first : last + 1]
     paint_drop(axes, theme)
@@ -146,6 +145,10 @@ def paint_shape(
     for s_m in shape.menisci:
         at = eye.see(meniscus(shape, s_m)[None])[0]
         paint_bead(axes, at, 1.55 * radius, theme)
+    for end in (0, -1):
+        at = eye.see((shape.positions[end] - shape.drop_center)[None])[0]
+        if abs(at[0]) < reach:
+            paint_clamp(axes, at, radius, -1 if end == 0 else 1)
     axes.set_xlim(-reach, reach)
     axes.set_ylim(-0.62, 0.62)
     axes.set_aspect("equal")
@@ -159,16 +162,19 @@ def meniscus(shape: Shape, s_m: float) -> np.ndarray:
 
 def paint_drop(axes: Axes, theme: Theme, radius: float = 0.5) -> None:
     """The drop: discs that add up to the shading of a sphere, a rim and a glint."""
-    water = np.array(theme.water)
-    for k in range(DISCS):
+    paper, water = np.array(to_rgb(theme.paper)), np.array(theme.water)
+    dark = 0.5 * (paper + water)
+    bright = dark + theme.glow * (np.ones(3) - dark)
+    for k in range(DISCS):  # opaque: many faint layers would add up to rounding errors
         part = k / (DISCS - 1)
+        weight = part * part * (3 - 2 * part)
         axes.add_patch(
             Circle(
                 (-0.10 * part * radius, 0.16 * part * radius),
-                radius * (1 - 0.78 * part),
-                facecolor=(*water, 0.42) if k == 0 else (*(water + (1 - water) * 0.8), GLOW),
+                radius * (1 - 0.85 * part),
+                facecolor=dark + weight * (bright - dark),
                 edgecolor="none",
-                zorder=2,
+                zorder=2 + 0.01 * part,
             )
         )
     rim = Circle((0, 0), radius, facecolor="none", edgecolor=theme.rim, linewidth=0.9, alpha=0.8)
@@ -181,6 +187,20 @@ def paint_drop(axes: Axes, theme: Theme, radius: float = 0.5) -> None:
     glint = Polygon(np.concatenate([outer, inner[::-1]]), facecolor="white", alpha=0.5, zorder=2.6)
     glint.set_edgecolor("none")
     axes.add_patch(glint)
+
+
+def paint_clamp(axes: Axes, at: np.ndarray, radius: float, side: int) -> None:
+    """A clamp at the rod's end, seen from the side; ``side`` is where it holds on."""
+    block = Rectangle(
+        (at[0] - (2.2 * radius if side < 0 else 0.0), at[1] - 2.6 * radius),
+        2.2 * radius,
+        5.2 * radius,
+        facecolor="#9aa0ab",
+        edgecolor="#50555f",
+        linewidth=0.7,
+    )
+    block.set(zorder=5.5, gid="clamp")
+    axes.add_patch(block)
 
 
 def paint_bead(axes: Axes, at: np.ndarray, radius: float, theme: Theme) -> None:

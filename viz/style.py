@@ -25,6 +25,7 @@ class Theme:
     faint: str
     water: tuple[float, float, float]
     rim: str
+    glow: float  # how white the drop is where the light falls on it
     paths: dict[str, str]
     parts: tuple[str, ...]
     sequential: str
@@ -38,6 +39,7 @@ LIGHT = Theme(
     faint="#c9ccd3",
     water=(0.44, 0.67, 0.88),
     rim="#4a7fb0",
+    glow=0.62,
     paths={
         "Ax": "#0072b2", "3D": "#d55e00", "L2": "#009e73", "Pt": "#8a5a9e",
         "Tri1": "#b8860b", "Tri2": "#7f7f7f", "run": "#1b1e23",
@@ -53,6 +55,7 @@ DARK = Theme(
     faint="#3a3f4b",
     water=(0.36, 0.58, 0.85),
     rim="#7fb2e5",
+    glow=0.22,
     paths={
         "Ax": "#56b4e9", "3D": "#ff8c42", "L2": "#2fd6a6", "Pt": "#cf9be6",
         "Tri1": "#f0e442", "Tri2": "#a8adb8", "run": "#ffffff",
@@ -138,16 +141,6 @@ def save(figure: Figure, outputs: Sequence[str | Path], dpi: int = 160) -> None:
         path.parent.mkdir(parents=True, exist_ok=True)
         undated = {"CreationDate": None} if path.suffix == ".pdf" else None
         figure.savefig(path, dpi=dpi, metadata=undated)
-        if path.suffix == ".png":
-            shrink(path)
         print(path)
     plt.close(figure)
 
-
-def shrink(path: Path, colors: int = 200) -> None:
-    """Store a PNG with a palette: a third of the size, the same to the eye."""
-    from PIL import Image
-
-    with Image.open(path) as image:
-        small = image.convert("RGB").quantize(colors, method=Image.Quantize.MEDIANCUT)
-    small.save(path, optimize=True)
