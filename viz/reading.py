@@ -105,3 +105,26 @@ def stretches(flags: Sequence[bool] | np.ndarray) -> list[tuple[int, int, bool]]
         (int(a), int(min(b, flags.size - 1)), bool(flags[a]))
         for a, b in zip(edges[:-1], edges[1:], strict=True)
     ]
+
+
+def flatness(positions: np.ndarray) -> float:
+    """How far a curve (N+1, 3) is from a plane through the clamps' axis: least spread over length."""
+    from_axis = positions[:, :2]
+    return float(np.linalg.svd(from_axis, compute_uv=False)[-1] / np.sqrt(len(positions)))
+
+
+def planar_intervals(run: Any, limit: float = 1e-3) -> list[tuple[float, float]]:
+    """End-shortenings (first, last), D, of the stretches of increments that lie in a plane."""
+    delta = run.table["end_shortening"]
+    flat = np.array([flatness(run.positions(i)) < limit for i in range(len(run))])
+    found = []
+    i = 0
+    while i < len(flat):
+        if flat[i]:
+            j = i
+            while j + 1 < len(flat) and flat[j + 1]:
+                j += 1
+            found.append((float(delta[i]), float(delta[j])))
+            i = j
+        i += 1
+    return found
