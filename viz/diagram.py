@@ -58,9 +58,11 @@ def add_legend(made: Figure, axes: Axes) -> None:
             plain.set(linestyle="-", linewidth=2.2)
         plain.set_label(label)
         handles.append(plain)
-    if any((line.get_gid() or "").endswith("unstable") for line in axes.get_lines()):
-        ink = axes.yaxis.label.get_color()
-        handles.append(Line2D([], [], color=ink, linewidth=1.1, linestyle=DASHES, label="unstable"))
+    ink = axes.yaxis.label.get_color()
+    for kind in ("unstable", "planar"):
+        if any((line.get_gid() or "").endswith(f" {kind}") for line in axes.get_lines()):
+            dashed = Line2D([], [], color=ink, linewidth=1.1, linestyle=DASHES, label=kind)
+            handles.append(dashed)
     made.legend(
         handles=handles, loc="outside upper center", ncols=5, fontsize=9.5, handlelength=2.2
     )
@@ -93,23 +95,28 @@ def panel(
 
 
 def draw_branch(axes: Axes, name: str, branch: Any, theme: Theme, quantity: str) -> None:
-    """A path: solid where it is stable, dashed where not, solid and thin where nobody counted."""
+    """A path: solid where it is stable, dashed where not.
+
+    Where nobody counted the unstable modes it is drawn as the paper does: planar paths dashed.
+    """
     table = branch.table
     modes = table["unstable_modes"]
     counted = bool((modes >= 0).all())
+    solid = modes == 0 if counted else np.full(len(modes), name.startswith(("3D", "Tri")))
     label: str | None = family(name)
     if label in [line.get_label() for line in axes.get_lines()]:
         label = None
-    for first, last, stable in stretches(modes <= 0):
+    for first, last, full in stretches(solid):
+        kind = ("stable" if full else "unstable") if counted else ("space" if full else "planar")
         axes.plot(
             table["end_shortening"][first : last + 1] / np.pi,
             table[quantity][first : last + 1],
             color=path_color(theme, name),
-            linestyle="-" if stable or not counted else DASHES,
-            linewidth=2.2 if stable and counted else 1.1,
+            linestyle="-" if full else DASHES,
+            linewidth=2.2 if full and counted else 1.1,
             label=label,
-            gid=f"branch {name} {'stable' if stable else 'unstable'}",
-            zorder=4 if stable else 3,
+            gid=f"branch {name} {kind}",
+            zorder=4 if full else 3,
         )
         label = None
 

@@ -31,7 +31,7 @@ RED, PINK, ORANGE, WHITE = (213, 94, 0), (204, 121, 167), (230, 159, 0), (245, 2
 
 SERIES = {
     "plots/tension": ("t, K0/D²", (86, 180, 233)),
-    "plots/energy/hat": ("Ê, K0/D", (245, 245, 245)),
+    "plots/energy/hat": ("Ê, K0/D", (150, 152, 160)),
     "plots/energy/bend": ("bend", (230, 159, 0)),
     "plots/energy/twist": ("twist", (0, 158, 115)),
     "plots/energy/wall": ("wall", (204, 121, 167)),
@@ -74,7 +74,7 @@ class Stage:
         style = rr.LineStrips3D.from_fields
         self._static("world/rod/stripe", style(radii=0.12 * RADIUS, colors=[WHITE]))
         self._static("world/rod/frame", _arrows(WHITE, 0.0015))
-        self._static("world/menisci/points", rr.Points3D.from_fields(colors=[RED], radii=0.042))
+        self._static("world/menisci/points", rr.Points3D.from_fields(colors=[RED], radii=0.03))
         self._static("world/menisci/forces", _arrows(RED, 0.009))
         self._static("world/wall", _arrows(PINK, 0.0025))
         for entity, (name, tint) in SERIES.items():

@@ -11,8 +11,11 @@ from typing import Any
 class Entity:
     rows: int = 0
     times: dict[str, list[Any]] = field(default_factory=dict)
-    values: dict[str, list[Any]] = field(default_factory=dict)
-    static: dict[str, Any] = field(default_factory=dict)
+    arrays: dict[str, list[Any]] = field(default_factory=dict)
+    static: set[str] = field(default_factory=set)
+
+    def values(self, name: str) -> list[Any]:
+        return [value for array in self.arrays[name] for value in array.to_pylist()]
 
 
 @dataclass
@@ -36,18 +39,28 @@ def read_rrd(path: Path) -> Contents:
     for chunk in reader.stream().to_chunks():
         entity = entities.setdefault(str(chunk.entity_path), Entity())
         batch = chunk.to_record_batch()
-        columns = {name: batch.column(name).to_pylist() for name in batch.schema.names}
-        columns.pop("rerun.controls.RowId", None)
+        names = [name for name in batch.schema.names if name != "rerun.controls.RowId"]
         if chunk.is_static:
-            entity.static.update({name: values[-1] for name, values in columns.items()})
+            entity.static.update(names)
             continue
         entity.rows += chunk.num_rows
-        for name, values in columns.items():
-            kind = entity.times if name in chunk.timeline_names else entity.values
-            kind.setdefault(name, []).extend(values)
+        for name in names:
+            if name in chunk.timeline_names:
+                entity.times.setdefault(name, []).extend(plain(batch.column(name)))
+            else:
+                entity.arrays.setdefault(name, []).append(batch.column(name))
     return Contents(entities, len(reader.blueprints()))
 
 
-def seconds(durations: list[Any]) -> list[float]:
+def plain(column: Any) -> list[Any]:
+    """Values of a column; durations as nanoseconds."""
+    import pyarrow as pa
+
+    if pa.types.is_duration(column.type):
+        column = column.cast(pa.int64())
+    return column.to_pylist()
+
+
+def seconds(durations: list[int]) -> list[float]:
     """Times of a duration timeline, in seconds."""
-    return [d.total_seconds() if hasattr(d, "total_seconds") else d / 1e9 for d in durations]
+    return [d / 1e9 for d in durations]

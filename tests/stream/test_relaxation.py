@@ -74,7 +74,7 @@ def test_a_push_streams_its_steps(tmp_path):
     tube = contents["world/rod/tube"]
     steps_seen = [k for k in tube.times["relaxation"] if k is not None]
     assert len(steps_seen) >= run.table["iterations"][1:3].sum() > 0
-    residual = [v[0] for v in contents["plots/relaxation"].values["Scalars:scalars"]]
+    residual = [v[0] for v in contents["plots/relaxation"].values("Scalars:scalars")]
     assert len(residual) == len(steps_seen)
     assert residual[-1] < residual[0]
     assert contents["plots/tension"].rows == len(run)

@@ -86,12 +86,12 @@ def test_a_file_holds_every_increment_on_its_timelines(tmp_path):
         assert contents[entity].rows == len(memory), entity
         assert contents[entity].times["increment"] == list(range(len(memory)))
         assert seconds(contents[entity].times["end_shortening"]) == pytest.approx(delta, abs=1e-8)
-    t = [value[0] for value in contents["plots/tension"].values["Scalars:scalars"]]
+    t = [value[0] for value in contents["plots/tension"].values("Scalars:scalars")]
     assert t == memory.table["end_tension"].tolist()
     assert "Mesh3D:albedo_factor" in contents["world/drop/surface"].static
     assert "Mesh3D:triangle_indices" in contents["world/rod/tube"].static
-    assert len(contents["world/rod/tube"].values["Mesh3D:vertex_positions"][0]) == 25 * 10
-    words = [text[0] for text in contents["events"].values["TextLog:text"]]
+    assert len(contents["world/rod/tube"].values("Mesh3D:vertex_positions")[0]) == 25 * 10
+    words = [text[0] for text in contents["events"].values("TextLog:text")]
     assert len(words) == len(memory.events) + 1
     assert words[0].startswith("instability at")
     assert words[-1].startswith("completed")
