@@ -1,6 +1,7 @@
 """The paper's diagrams: t and E_hat against delta/pi; stable parts solid, unstable ones dashed.
 
-``python viz/diagram.py RUN.h5 BRANCHES.h5 -o OUT.pdf OUT.png``: any number of runs and branch files.
+``python viz/diagram.py RUN.h5 BRANCHES.h5 -o OUT.pdf OUT.png``: any number of runs and branch
+files.
 """
 
 from __future__ import annotations
@@ -26,7 +27,9 @@ MARKS = (
     ("Pt", 0.6, "D", "full"), ("Pt", 1.5, "D", "none"),
     ("Tri1", 1.2, "^", "full"), ("Tri2", 1.3, "v", "none"),
 )  # fmt: skip
-"""States shown in the shapes figures: branch, delta/pi, the paper's kind of marker, filled or not."""
+"""States shown in the shapes figures: branch, delta/pi, the paper's kind of marker, filled or
+not.
+"""
 
 
 def figure(

@@ -20,7 +20,9 @@ NAMES = {
 
 
 def parts(run: Any) -> dict[str, np.ndarray]:
-    """Parts (T,) that add up to E_hat; the capillary one holds the reference f_gamma (delta + 1)."""
+    """Parts (T,) that add up to E_hat; the capillary one holds the reference f_gamma (delta +
+    1).
+    """
     table = run.table
     lifted = run.scene.drop.capillary_force * (table["end_shortening"] + 1)
     return {

@@ -11,10 +11,11 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from derod.branches.compare import compare
 from matplotlib.figure import Figure
 from reading import open_files
 from style import LABELS, THEMES, Theme, add_output, new_figure, save, use
+
+from derod.branches.compare import compare
 
 PANELS = {
     "tension_error": r"$|\Delta t|\,/\,\max(1,t)$",

@@ -1,4 +1,5 @@
-"""Curvature and tension along the rod as images over delta: ``python viz/kymograph.py RUN.h5 -o OUT.pdf``.
+"""Curvature and tension along the rod as images over delta: ``python viz/kymograph.py RUN.h5 -o
+OUT.pdf``.
 
 Arc length is counted from the rod's middle; the lines are the menisci.
 """
@@ -10,10 +11,11 @@ import sys
 from typing import Any
 
 import numpy as np
-from derod.stream.fields import curvature, node_tension
 from matplotlib.figure import Figure
 from reading import open_files
 from style import LABELS, THEMES, Theme, add_output, new_figure, save, use
+
+from derod.stream.fields import curvature, node_tension
 
 PIXELS = 500  # along the rod
 
@@ -49,7 +51,9 @@ def figure(run: Any, theme: Theme) -> Figure:
         mesh = axes.pcolormesh(
             delta, s, image, cmap=colors, vmin=low, vmax=high, shading="nearest", rasterized=True
         )
-        made.colorbar(mesh, ax=axes, label=LABELS[name], pad=0.015, extend="max" if low == 0 else "neither")
+        made.colorbar(
+            mesh, ax=axes, label=LABELS[name], pad=0.015, extend="max" if low == 0 else "neither"
+        )
         for meniscus in ("meniscus_a", "meniscus_b"):
             line = axes.plot(delta, table[meniscus] - half, color="#ffffff", linewidth=1.6)[0]
             line.set_gid(meniscus)

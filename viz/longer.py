@@ -1,7 +1,7 @@
 """The paper's diagram of the longer rod: t against delta/pi for several end rotations.
 
-``python viz/longer.py out/l20-r0.h5 out/l20-r2pi.h5 -o OUT.pdf``. The bands are the intervals in which the
-coil is planar: no twist and no holonomy but the clamps' own.
+``python viz/longer.py out/l20-r0.h5 out/l20-r2pi.h5 -o OUT.pdf``. The bands are the intervals in
+which the coil is planar: no twist and no holonomy but the clamps' own.
 """
 
 from __future__ import annotations

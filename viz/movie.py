@@ -24,7 +24,9 @@ HOLD = 0.12  # of the frames show the end
 
 
 def moments(run: Any, frames: int) -> np.ndarray:
-    """End-shortenings (frames,) D to show: evenly from the first increment to the last, then held."""
+    """End-shortenings (frames,) D to show: evenly from the first increment to the last, then
+    held.
+    """
     moving = max(round(frames * (1 - HOLD)), 2)
     delta = run.table["end_shortening"]
     path = np.linspace(delta[0], delta[-1], moving)
@@ -32,7 +34,9 @@ def moments(run: Any, frames: int) -> np.ndarray:
 
 
 def draw_frame(figure: Figure, run: Any, end_shortening: float, angle: float, theme: Theme) -> None:
-    """One picture: the coil seen from ``angle`` (rad) about the clamps' axis, and the curve so far."""
+    """One picture: the coil seen from ``angle`` (rad) about the clamps' axis, and the curve so
+    far.
+    """
     figure.clear()
     shape = run_shape(run, end_shortening)
     paint_coil(figure.add_axes((0.0, 0.0, 0.6, 1.0)), run, shape, theme, angle)
@@ -91,7 +95,12 @@ def write_gif(pictures: list[np.ndarray], output: str, rate: int, colors: int) -
     palette = images[-1].quantize(colors, method=Image.Quantize.MEDIANCUT)
     frames = [image.quantize(palette=palette, dither=Image.Dither.NONE) for image in images]
     frames[0].save(
-        output, save_all=True, append_images=frames[1:], duration=1000 // rate, loop=0, optimize=True
+        output,
+        save_all=True,
+        append_images=frames[1:],
+        duration=1000 // rate,
+        loop=0,
+        optimize=True,
     )
 
 

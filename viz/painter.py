@@ -1,7 +1,7 @@
 """Paint a tube in a drop: orthographic, sorted by depth, shaded; vector graphics throughout.
 
-Every tube is cut into quadrilaterals that are painted back to front as one PolyCollection; the drop is
-a shaded disc behind the tube, and what lies deep in it takes on its colour.
+Every tube is cut into quadrilaterals that are painted back to front as one PolyCollection; the
+drop is a shaded disc behind the tube, and what lies deep in it takes on its colour.
 """
 
 from __future__ import annotations
@@ -9,13 +9,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from derod.stream.geometry import point_at, unit
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import to_rgb
 from matplotlib.patches import Circle, Polygon, Rectangle
 from reading import Shape
 from style import Theme
+
+from derod.stream.geometry import point_at, unit
 
 SIDES = 14
 RADIUS = 0.021  # D
@@ -44,7 +45,9 @@ def view(toward: tuple[float, float, float], right: tuple[float, float, float] =
 
 
 def turned(angle: float, lift: float = 0.35) -> View:
-    """The eye turned by ``angle`` about the clamp axis, lifted to it by ``lift``: the axis lies level."""
+    """The eye turned by ``angle`` about the clamp axis, lifted to it by ``lift``: the axis lies
+    level.
+    """
     cos, sin = np.cos(lift), np.sin(lift)
     return view((cos * np.cos(angle), cos * np.sin(angle), -sin))
 
@@ -92,7 +95,9 @@ def tube_in_view(points: np.ndarray, s: np.ndarray, radius: float) -> Tube:
 
 
 def shade(base: np.ndarray, normals: np.ndarray, depth: np.ndarray, theme: Theme) -> np.ndarray:
-    """Colours (m, 3): lit from the upper left, fading into the paper with ``depth`` (m,) in 0..1."""
+    """Colours (m, 3): lit from the upper left, fading into the paper with ``depth`` (m,) in
+    0..1.
+    """
     lit = np.clip(normals @ LIGHT, 0.0, 1.0)[:, None]
     half = unit(LIGHT + np.array([0.0, 0.0, 1.0]))
     gloss = np.clip(normals @ half, 0.0, 1.0)[:, None] ** 30
@@ -113,7 +118,8 @@ def paint_shape(
 ) -> None:
     """Paint a configuration about its drop's centre: tube, translucent drop, meniscus points.
 
-    ``color`` is one colour, or one for each node (N+1, 3). What lies beyond ``reach`` (D) is cut off.
+    ``color`` is one colour, or one for each node (N+1, 3). What lies beyond ``reach`` (D) is cut
+    off.
     """
     points, s = finer(shape.positions - shape.drop_center, shape.arc_length)
     seen = eye.see(points)

@@ -1,9 +1,10 @@
-"""Remake every figure of the paper from nothing: ``python viz/paper.py -o viz/out [--images docs/images]``.
+"""Remake every figure of the paper from nothing: ``python viz/paper.py -o viz/out [--images
+docs/images]``.
 
 Runs the pushes and branches that are missing in the output folder (``data/``), two at a time, then
-draws: both l = 10 diagrams for both wall strengths, the four configuration figures, the l = 20 diagram
-with both end rotations, and the figures that the paper has not (errors, energies, kymograph). The last
-step is a table of our values beside the paper's.
+draws: both l = 10 diagrams for both wall strengths, the four configuration figures, the l = 20
+diagram with both end rotations, and the figures that the paper has not (errors, energies,
+kymograph). The last step is a table of our values beside the paper's.
 """
 
 from __future__ import annotations
@@ -16,7 +17,6 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
-import derod
 import diagram
 import energies
 import error
@@ -24,11 +24,13 @@ import kymograph
 import longer
 import numpy as np
 import shapes
-from derod.branches.compare import compare
 from reading import branch_shape
 from stated import stated_table
 from style import THEMES, save
 from tqdm import tqdm
+
+import derod
+from derod.branches.compare import compare
 
 ROOT = Path(__file__).resolve().parent.parent
 SCENES = ("text", "figures")
@@ -59,10 +61,11 @@ def jobs(data: Path) -> dict[Path, list[str]]:
 
 
 def compute(data: Path, workers: int) -> list[str]:
-    """Make the files that are missing; returns complaints. A push that ends early keeps its file."""
+    """Make the files that are missing; returns complaints. A push that ends early keeps its
+    file.
+    """
     data.mkdir(parents=True, exist_ok=True)
     missing = {path: words for path, words in jobs(data).items() if not path.exists()}
-    complaints = []
 
     def run(item: tuple[Path, list[str]]) -> str | None:
         path, words = item
@@ -79,8 +82,7 @@ def compute(data: Path, workers: int) -> list[str]:
 
     with ThreadPoolExecutor(workers) as pool:
         results = pool.map(run, missing.items())
-        complaints = [text for text in tqdm(results, "computing", len(missing)) if text is not None]
-    return complaints
+        return [text for text in tqdm(results, "computing", len(missing)) if text is not None]
 
 
 def draw(data: Path, out: Path, style: str, endings: tuple[str, ...], dpi: int) -> None:

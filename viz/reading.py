@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Any
 
-import derod
 import numpy as np
+
+import derod
 from derod.stream.replay import is_branch_file
 
 HARD_WALL = 2.0  # the plateau of the hard-wall limit is f_gamma - 2, K0/D^2
@@ -101,14 +103,13 @@ def stretches(flags: Sequence[bool] | np.ndarray) -> list[tuple[int, int, bool]]
     if flags.size == 0:
         return []
     edges = [0, *(np.flatnonzero(np.diff(flags)) + 1), flags.size]
-    return [
-        (int(a), int(min(b, flags.size - 1)), bool(flags[a]))
-        for a, b in zip(edges[:-1], edges[1:], strict=True)
-    ]
+    return [(int(a), int(min(b, flags.size - 1)), bool(flags[a])) for a, b in pairwise(edges)]
 
 
 def flatness(positions: np.ndarray) -> float:
-    """How far a curve (N+1, 3) is from a plane through the clamps' axis: least spread over length."""
+    """How far a curve (N+1, 3) is from a plane through the clamps' axis: least spread over
+    length.
+    """
     from_axis = positions[:, :2]
     return float(np.linalg.svd(from_axis, compute_uv=False)[-1] / np.sqrt(len(positions)))
 

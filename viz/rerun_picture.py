@@ -1,4 +1,5 @@
-"""Pictures of a run as rerun shows it, without a display: ``python viz/rerun_picture.py RUN -o OUT.png``.
+"""Pictures of a run as rerun shows it, without a display: ``python viz/rerun_picture.py RUN -o
+OUT.png``.
 
 Needs a software Vulkan driver (Debian: mesa-vulkan-drivers).
 """

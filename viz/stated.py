@@ -10,9 +10,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-import derod
 import numpy as np
 from reading import HARD_WALL, planar_intervals
+
+import derod
 
 HEAD = (
     "| quantity | paper | branches, $v_0 = 2\\cdot10^{-4}$ | push | "
@@ -49,7 +50,9 @@ def branch_values(file: Any) -> list[str]:
     out.append(_pitchfork(file["L2"], "3D-L2"))
     if "Pt" in file:
         table = file["Pt"].table
-        near = table[np.argmin(abs(table["end_shortening"] / np.pi - 1.5) + (table["end_tension"] < 5))]
+        near = table[
+            np.argmin(abs(table["end_shortening"] / np.pi - 1.5) + (table["end_tension"] < 5))
+        ]
         out.append(f"{near['end_tension']:.2f}")
     else:
         out.append("not found")

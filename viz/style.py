@@ -143,4 +143,3 @@ def save(figure: Figure, outputs: Sequence[str | Path], dpi: int = 160) -> None:
         figure.savefig(path, dpi=dpi, metadata=undated)
         print(path)
     plt.close(figure)
-

@@ -1,7 +1,7 @@
 """From frames of a run to what is drawn of them: columns of plain arrays, one item a frame.
 
-The live stream draws one frame at a time and the replay all of them; both come through here, so that
-they look the same.
+The live stream draws one frame at a time and the replay all of them; both come through here, so
+that they look the same.
 """
 
 from __future__ import annotations
@@ -128,7 +128,9 @@ def draw_shapes(batch: Batch, scene: Scene, color: str) -> list[Column]:
             "Arrows3D",
             {
                 "origins": [x[i][inside[i]] for i in range(len(x))],
-                "vectors": [PUSH * (push[i, :, None] * inward[i])[inside[i]] for i in range(len(x))],
+                "vectors": [
+                    PUSH * (push[i, :, None] * inward[i])[inside[i]] for i in range(len(x))
+                ],
             },
         ),
     ]

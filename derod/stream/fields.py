@@ -43,7 +43,9 @@ def coloring(name: str, scene: Scene) -> Coloring:
     if name == "wall":
         return Coloring(0.0, 2 * f_gamma, PLASMA, f"wall's push, 0 to {2 * f_gamma:g} K0/D^3")
     if name == "twist":
-        return Coloring(-turn, turn, BLUE_RED, f"twist u3, -{turn:.3g} to {turn:.3g} rad/D, uniform")
+        return Coloring(
+            -turn, turn, BLUE_RED, f"twist u3, -{turn:.3g} to {turn:.3g} rad/D, uniform"
+        )
     raise ValueError(f"no field {name!r} to colour by; allowed: {', '.join(FIELDS)}")
 
 

@@ -1,7 +1,7 @@
 """The observers of a push that stream it to rerun, by way of a process of its own.
 
-rerun blocks whoever logs to a viewer that has stopped reading, and it may take the process down with
-it; so it lives in a child (``derod.stream.relay``), and the push only fills a pipe.
+rerun blocks whoever logs to a viewer that has stopped reading, and it may take the process down
+with it; so it lives in a child (``derod.stream.relay``), and the push only fills a pipe.
 """
 
 from __future__ import annotations

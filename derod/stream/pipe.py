@@ -13,6 +13,8 @@ import subprocess
 import sys
 import time
 from collections import deque
+from contextlib import suppress
+from typing import IO, cast
 
 MOST_BACKLOG = 128 * 2**20  # bytes
 PIPE_SIZE = 2**20
@@ -35,8 +37,11 @@ class Pipe:
             start_new_session=True,  # our Ctrl-C is not the child's
             env=os.environ | {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"},
         )
-        assert self.child.stdin is not None and self.child.stdout is not None  # for mypy: piped
-        self._into, self._from = self.child.stdin.fileno(), self.child.stdout.fileno()
+        self._input, self._output = (
+            cast(IO[bytes], self.child.stdin),
+            cast(IO[bytes], self.child.stdout),
+        )
+        self._into, self._from = self._input.fileno(), self._output.fileno()
         os.set_blocking(self._into, False)
         os.set_blocking(self._from, False)
         _enlarge(self._into)
@@ -57,10 +62,8 @@ class Pipe:
     def pump(self) -> bool:
         """Write what the child takes and read its heartbeats; return whether it did anything."""
         moved = False
-        try:
+        with suppress(BlockingIOError):
             moved = bool(os.read(self._from, 65536))
-        except BlockingIOError:
-            pass
         while self._backlog and not self.broken:
             try:
                 done = os.write(self._into, self._backlog[0])
@@ -116,19 +119,19 @@ class Pipe:
         return False
 
     def _close_input(self) -> None:
-        assert self.child.stdin is not None  # for mypy
         try:
-            self.child.stdin.close()
+            self._input.close()
         except OSError:  # it has ended
             self.broken = True
 
     def _close_output(self) -> None:
-        assert self.child.stdout is not None  # for mypy
-        self.child.stdout.close()
+        self._output.close()
 
 
 def _enlarge(descriptor: int) -> None:
-    """Let the pipe hold a megabyte where the system can, so that short pushes never meet a full one."""
+    """Let the pipe hold a megabyte where the system can, so that short pushes never meet a full
+    one.
+    """
     if sys.platform != "linux":
         return
     import fcntl

@@ -1,7 +1,7 @@
 """The process that draws a push: pickles on standard input, a byte on standard output for each.
 
-It ends when its input does: also when the push was killed, so that an .rrd file is whole all the same.
-A viewer that takes nothing for STALLED seconds ends it.
+It ends when its input does: also when the push was killed, so that an .rrd file is whole all the
+same. A viewer that takes nothing for STALLED seconds ends it.
 """
 
 from __future__ import annotations
@@ -82,7 +82,9 @@ def show(begin: Begin, source: BinaryIO) -> int:
 
 
 def bundles(source: BinaryIO) -> Iterator[list[Any]]:
-    """The messages, as many at a time as are there; ends when the push does, also amid a message."""
+    """The messages, as many at a time as are there; ends when the push does, also amid a
+    message.
+    """
     queue: Queue[Any] = Queue(maxsize=2 * TOGETHER)
 
     def read() -> None:
@@ -140,7 +142,9 @@ def heartbeat() -> None:
 
 
 def alarm(seconds: int) -> None:
-    """End this process if the next message takes longer: rerun blocks on a viewer that stands still."""
+    """End this process if the next message takes longer: rerun blocks on a viewer that stands
+    still.
+    """
     if hasattr(signal, "alarm"):
         signal.alarm(seconds)
 

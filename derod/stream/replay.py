@@ -83,7 +83,9 @@ def replay_branches(recording: Any, branches: Any) -> None:
         columns = [Column(f"world/branches/{place}", "LineStrips3D", {"strips": strips})]
         for quantity, symbol in (("end_tension", "tension"), ("energy_hat", "energy_hat")):
             entity = f"branches/{symbol}/{place}"
-            recording.log(entity, rr.SeriesLines(names=name, colors=[tint], widths=1.5), static=True)
+            recording.log(
+                entity, rr.SeriesLines(names=name, colors=[tint], widths=1.5), static=True
+            )
             values = list(table[quantity][points][:, None])
             columns.append(Column(entity, "Scalars", {"scalars": values}))
         for column in columns:

@@ -21,7 +21,6 @@ from derod.stream.drawing import (
     RADIUS,
     SIDES,
     Column,
-    shown_nodes,
 )
 from derod.stream.geometry import sphere, tube_triangles
 
@@ -43,7 +42,13 @@ SERIES = {
 }
 """Names and colours of the time series."""
 
-LEVELS = {"instability": "WARN", "snap": "WARN", "halving": "INFO", "turn": "INFO", "resume": "INFO"}
+LEVELS = {
+    "instability": "WARN",
+    "snap": "WARN",
+    "halving": "INFO",
+    "turn": "INFO",
+    "resume": "INFO",
+}
 
 
 class Stage:
@@ -79,7 +84,9 @@ class Stage:
         self._static("world/wall", _arrows(PINK, 0.0025))
         for entity, (name, tint) in SERIES.items():
             self._static(entity, rr.SeriesLines(names=name, colors=[tint], widths=1.8))
-        self._static("about", rr.TextDocument(about(scene, scale.meaning), media_type="text/markdown"))
+        self._static(
+            "about", rr.TextDocument(about(scene, scale.meaning), media_type="text/markdown")
+        )
 
     def _static(self, entity: str, what: Any) -> None:
         self.recording.log(entity, what, static=True)
@@ -115,7 +122,9 @@ class Stage:
             "events",
             indexes=[
                 rr.TimeColumn("increment", sequence=[event.increment for event in events]),
-                rr.TimeColumn("end_shortening", duration=[event.end_shortening for event in events]),
+                rr.TimeColumn(
+                    "end_shortening", duration=[event.end_shortening for event in events]
+                ),
             ],
             columns=rr.TextLog.columns(
                 text=[event_text(event) for event in events],
@@ -173,8 +182,8 @@ def about(scene: Scene, color: str) -> str:
         f"**l** = {rod.length:g}, **k3** = {rod.twisting:g}, **fγ** = {drop.capillary_force:g}, "
         f"**v0** = {drop.wall_strength:g}, **ρ** = {drop.wall_softness:g}, "
         f"{scene.mesh.edges} edges\n\n"
-        f"The rod is coloured by {color}. The white line on it is the material d1: it winds where the "
-        "rod is twisted. Orange: menisci and their pull (1 K0/D² = "
+        f"The rod is coloured by {color}. The white line on it is the material d1: it winds where "
+        "the rod is twisted. Orange: menisci and their pull (1 K0/D² = "
         f"{FORCE:g} D). Pink: the wall's push on the rod (1 K0/D³ = {PUSH:g} D).\n\n"
         "Timeline *end_shortening*: δ in D, written as seconds."
     )

@@ -35,7 +35,10 @@ class Opened:
 
 
 def open_recording(
-    target: Target, name: str, waiting: Callable[[], None] = lambda: None, recording_id: str | None = None
+    target: Target,
+    name: str,
+    waiting: Callable[[], None] = lambda: None,
+    recording_id: str | None = None,
 ) -> Opened:
     """A rerun recording that goes to ``target``. ``waiting`` is called now and then meanwhile.
 
@@ -107,7 +110,8 @@ def program() -> list[str]:
 def start_viewer(
     port: int, web_port: int | None, waiting: Callable[[], None] = lambda: None
 ) -> subprocess.Popen[bytes]:
-    """Start a native viewer, or with ``web_port`` a server of the web viewer; wait until it listens.
+    """Start a native viewer, or with ``web_port`` a server of the web viewer; wait until it
+    listens.
 
     It is a session of its own: it outlives us, and our Ctrl-C does not reach it.
     """
@@ -128,7 +132,8 @@ def start_viewer(
     while time.monotonic() < ends:
         if process.poll() is not None:
             raise TargetError(
-                f"the rerun viewer ended at once (exit code {process.returncode}); is there a display?"
+                f"the rerun viewer ended at once (exit code {process.returncode}); "
+                "is there a display?"
             )
         if listens(HOST, port):
             return process

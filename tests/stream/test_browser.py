@@ -1,7 +1,7 @@
 """The web viewer in a real headless Chromium: ``pytest -m browser``.
 
-Needs Chromium (Debian: apt-get install chromium) and node; playwright-core comes from npm, into a folder
-of its own, or from DEROD_PLAYWRIGHT, a folder whose node_modules has it.
+Needs Chromium (Debian: apt-get install chromium) and node; playwright-core comes from npm, into a
+folder of its own, or from DEROD_PLAYWRIGHT, a folder whose node_modules has it.
 """
 
 from __future__ import annotations
@@ -45,7 +45,15 @@ def playwright(tmp_path_factory) -> str:
     if shutil.which("npm") is None:
         pytest.skip("no npm to fetch playwright-core with; DEROD_PLAYWRIGHT may name a folder")
     folder = tmp_path_factory.mktemp("playwright")
-    command = ["npm", "install", "--no-save", "--silent", "--prefix", str(folder), "playwright-core"]
+    command = [
+        "npm",
+        "install",
+        "--no-save",
+        "--silent",
+        "--prefix",
+        str(folder),
+        "playwright-core",
+    ]
     done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=120)
     if done.returncode != 0:
         pytest.skip(f"npm could not fetch playwright-core: {done.stderr[-200:]}")
@@ -71,7 +79,9 @@ def test_the_web_viewer_shows_the_coil_and_its_curves(chromium, playwright, run_
     try:
         url = view.stdout.readline().strip()
         assert url.startswith("http://127.0.0.1:")
-        listening = subprocess.run(["ss", "-ltn"], capture_output=True, text=True, check=False).stdout
+        listening = subprocess.run(
+            ["ss", "-ltn"], capture_output=True, text=True, check=False
+        ).stdout
         port = url.split(":")[2].split("/")[0]
         if listening:
             assert f"127.0.0.1:{port}" in listening

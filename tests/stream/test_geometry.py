@@ -1,3 +1,5 @@
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -54,7 +56,7 @@ def test_products_are_those_taken_one_by_one():
     positions, _ = wavy(37)
     t = tangents_with_clamps(positions)
     q = np.array([1.0, 0, 0, 0])
-    for a, b in zip(t[:-1], t[1:], strict=True):
+    for a, b in pairwise(t):
         p = np.array([1 + a @ b, *np.cross(a, b)])
         q = quaternion_product(p / np.linalg.norm(p), q)
     assert transports(positions)[-1] == pytest.approx(q, abs=1e-12)

@@ -26,7 +26,9 @@ def a_state() -> State:
 
 def steps(watch, increment, count):
     for k in range(count):
-        watch.relaxation(increment, k, a_state(), Report(1, 1.0, 10.0**-k if k < 300 else 0, True, True))
+        watch.relaxation(
+            increment, k, a_state(), Report(1, 1.0, 10.0**-k if k < 300 else 0, True, True)
+        )
 
 
 def test_only_chosen_increments_are_kept():

@@ -141,9 +141,7 @@ def test_kymograph(run, theme):
 def test_error_panels(theme):
     import error
 
-    rows = np.zeros(
-        4, [("end_shortening", "f8"), *((name, "f8") for name in error.PANELS)]
-    )
+    rows = np.zeros(4, [("end_shortening", "f8"), *((name, "f8") for name in error.PANELS)])
     rows["end_shortening"] = np.pi * np.arange(4)
     rows["tension_error"] = 1e-5
     made = error.figure([("300 edges", rows), ("600 edges", rows)], theme)
@@ -172,7 +170,11 @@ def test_planar_intervals_and_the_diagram_of_the_longer_rod(run):
 def test_stretches_share_their_boundaries():
     from reading import stretches
 
-    assert stretches([True, True, False, False, True]) == [(0, 2, True), (2, 4, False), (4, 4, True)]
+    assert stretches([True, True, False, False, True]) == [
+        (0, 2, True),
+        (2, 4, False),
+        (4, 4, True),
+    ]
     assert stretches([]) == []
 
 
