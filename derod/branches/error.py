@@ -10,7 +10,6 @@ from derod.branches.newton import NotConverged, settle
 from derod.branches.observables import observables
 from derod.branches.state import HalfRod
 
-
 REFINEMENTS = (1.0, 1.4, 2.0, 2.8)
 """Resolutions tried, relative to the path's own, until a point is accurate enough."""
 
