@@ -6,8 +6,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TypeVar
 
-import numpy as np
-
 from derod.branches.arc import Point, Tracer
 from derod.branches.error import refined
 from derod.branches.mirror import Mirror
@@ -21,6 +19,7 @@ from derod.branches.special import (
     odd_determinant,
     with_mode,
 )
+from derod.branches.stability import unstable_modes
 from derod.branches.state import HalfRod
 
 OUTER_END = 1e-3
@@ -137,10 +136,11 @@ def special_points(
     return out
 
 
-def stored(tracer: Tracer, point: Point, label: str = "") -> Stored:
-    """A path's point refined to the wanted accuracy."""
+def stored(tracer: Tracer, point: Point, label: str = "", count_modes: bool = True) -> Stored:
+    """A path's point refined to the wanted accuracy, its unstable modes counted."""
     state, error = refined(tracer, point)
-    return Stored(state, observables(state), error, label)
+    modes = sum(unstable_modes(state)) if count_modes else -1
+    return Stored(state, observables(state), error, label, modes)
 
 
 def merged(
@@ -157,10 +157,3 @@ def merged(
 def reversed_path(points: list[Point]) -> list[Point]:
     """A path in the other sense: arclengths and tangents with their signs changed."""
     return [Point(p.settled, -p.tangent, -p.arc) for p in reversed(points)]
-
-
-def interpolated_index(branch: Branch, delta: float) -> np.ndarray:
-    """Indices i with delta between points i and i+1 of the branch (one per sheet)."""
-    d = np.array([p.values["end_shortening"] for p in branch.points])
-    between = (d[:-1] - delta) * (d[1:] - delta) <= 0.0
-    return np.flatnonzero(between)

@@ -164,6 +164,7 @@ class Catalogue:
         start = tracer.begin(settled, outward)
         points, reason = collect(tracer, start, self._stop_in_plane())
         path = Path(name, tracer, None, points, begins=f"pitchfork of {origin.name}")
+        self.paths[name] = path
         path.joints.append((True, origin.tracer, special, origin.name))
         origin.partners[number] = name
         self._close(path, reason)
@@ -221,14 +222,13 @@ class Catalogue:
     def succession(self) -> Iterator[Path]:
         """3D, L_j, 3D-Lj, L_k, ...: the paths of lowest energy, until the outer rod runs out."""
         if self.twisted:
-            path = self._from_straight("3D", STRAIGHT_TWISTED, FULL, None)
+            path = self.paths["3D"] = self._from_straight("3D", STRAIGHT_TWISTED, FULL, None)
             self._join_first(path)
         else:
             origin = self.ax()
             if not origin.pitchforks:
                 return
             path = self.space_path("3D", origin, origin.pitchforks[0][0])
-        self.paths[path.name] = path
         yield path
         for _ in range(SUCCESSION_LIMIT):
             if len(path.joints) == 0 or path.joints[-1][0]:
@@ -242,7 +242,6 @@ class Catalogue:
             if not later:
                 return
             path = self.space_path(f"3D-{planar.name}", planar, later[0][0])
-            self.paths[path.name] = path
             yield path
 
     def _join_first(self, path: Path) -> None:
@@ -318,20 +317,19 @@ class Catalogue:
                 path = self.space_path(f"Tri{count}", origin, number)
             except NotConverged:
                 continue
-            self.paths[path.name] = path
             yield path
 
     # --- results ---------------------------------------------------------------------------------
 
-    def store(self, path: Path) -> Branch:
-        """A path with every point refined and its error estimated."""
+    def store(self, path: Path, count_modes: bool = True) -> Branch:
+        """A path with every point refined, its error estimated and its unstable modes counted."""
         specials = {id(s): i for i, (_, s) in enumerate(path.specials)}
         even = path.tracer.mirror
         branch = Branch(path.name, even, [], begins=path.begins, ends=path.ends)
         for at_start, tracer, joint, partner in path.joints:
             if at_start:
                 branch.bifurcations.append(Bifurcation(0, "pitchfork", partner, joint.function))
-                branch.points.append(stored(tracer, joint.point, "pitchfork"))
+                branch.points.append(stored(tracer, joint.point, "pitchfork", count_modes))
         for point, special in merged(path.points, path.specials):
             label = special.kind if special else ""
             if special:
@@ -339,11 +337,11 @@ class Catalogue:
                 branch.bifurcations.append(
                     Bifurcation(len(branch.points), special.kind, partner, special.function)
                 )
-            branch.points.append(stored(path.tracer, point, label))
+            branch.points.append(stored(path.tracer, point, label, count_modes))
         for at_start, tracer, joint, partner in path.joints:
             if not at_start:
                 branch.bifurcations.append(
                     Bifurcation(len(branch.points), "pitchfork", partner, joint.function)
                 )
-                branch.points.append(stored(tracer, joint.point, "pitchfork"))
+                branch.points.append(stored(tracer, joint.point, "pitchfork", count_modes))
         return branch

@@ -80,8 +80,7 @@ def compute_branches(
     branches = []
     for name, path in catalogue.paths.items():
         if wanted(name, asked):
-            branch = catalogue.store(path)
-            branches.append(branch)
+            branches.append(catalogue.store(path, count_modes))
     if paths is not None:
         found = [branch.name for branch in branches]
         for one in asked:
