@@ -37,7 +37,7 @@ class Control:
 
     tolerance: float = 1e-10
     first_step: float = 0.02
-    largest_step: float = 0.18
+    largest_step: float = 0.22
     least_step: float = 1e-6
     turning: float = 0.25  # angle between successive tangents at which steps stop growing
     iterations: int = 4

@@ -27,7 +27,7 @@ def add_branch_parser(subparsers: Any) -> argparse.ArgumentParser:
         "--tolerance", type=float, default=1e-10, help="largest residual of any equation (1e-10)"
     )
     parser.add_argument(
-        "--max-step", type=float, default=0.18, help="largest step of arclength (0.18)"
+        "--max-step", type=float, default=0.22, help="largest step of arclength (0.22)"
     )
     parser.add_argument(
         "--accuracy",
