@@ -68,8 +68,8 @@ class Event:
     """Something that happened between two frames.
 
     kind: "instability" (a kick along an unstable mode and the descent from it), "snap" (no
-    neighbouring state: descent over a fold), "halving" (an increment did not converge and is retried),
-    "turn" (a turning point of push.stop), "resume".
+    neighbouring state: descent over a fold), "halving" (an increment did not converge and is
+    retried), "turn" (a turning point of push.stop), "resume".
     """
 
     increment: int  # the frame that follows it

@@ -42,7 +42,7 @@ def add_branch_parser(subparsers: Any) -> argparse.ArgumentParser:
         help="write a branch file as a table of AUTO's b.-file columns",
     )
     parser.add_argument("--quiet", action="store_true", help="no progress")
-    parser.set_defaults(func=run_branch)
+    parser.set_defaults(command=run_branch, writes=True)
     return parser
 
 
@@ -140,7 +140,7 @@ def add_compare_parser(subparsers: Any) -> argparse.ArgumentParser:
     )
     parser.add_argument("--every", type=int, default=1, help="compare every n-th row (1)")
     parser.add_argument("--quiet", action="store_true", help="print the worst of each only")
-    parser.set_defaults(func=run_compare)
+    parser.set_defaults(command=run_compare, writes=True)
     return parser
 
 

@@ -18,7 +18,7 @@ from derod.core.kinematics import measure
 from derod.core.layout import S_A, S_B, X_C
 from derod.core.residual import excess
 from derod.core.wall import wall_gap
-from derod.linalg.bordered import factorize, solve
+from derod.linalg.bordered import factorize, solve, solve_refined
 
 FIRST_SHIFT = 1.0  # K0/D^4, of a soft mode's stiffness; where a step fails
 LEAST_SHIFT = 1e-4  # where there is negative curvature: near a pitchfork it is small
@@ -164,7 +164,7 @@ def newton_step(physics, mesh, end_rotation, tolerance, shift, psi, room, factor
                     x[(d + 1) * (i - 1) + k] = -room.r[i, k]
         for k in range(d + 5):
             y[k] = -room.rb[k]
-        solve(factor, x, y)
+        solve_refined(room.linear, factor)
         dq[0] = 0.0
         for i in range(1, n + 1):
             for k in range(d + 1):
@@ -236,7 +236,7 @@ def analyse(physics, mesh, end_rotation, psi, room, factor, q, b, dq, db):
     hessian(physics, mesh, q, b, psi, end_rotation, room)
     count = unstable_modes(room.linear, factor, d)
     clamp_column(physics, room, factor.rhs, factor.rhs_border)
-    solve(factor, factor.rhs, factor.rhs_border)
+    solve_refined(room.linear, factor)
     dq[:] = 0.0
     for i in range(1, n + 1):
         for k in range(d + 1):

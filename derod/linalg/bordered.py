@@ -3,7 +3,7 @@
     [[K, B], [B^T, C]],   K = L D L^T,   S = C - B^T K^{-1} B
 
 K is factored without pivoting: each multiplier comes after its edge's nodes, so that a pivot only
-vanishes by accident; one that does is moved to the rounding level. By Sylvester's law the whole matrix
+vanishes by accident; the factor is then not finite, and says so. By Sylvester's law the whole matrix
 has as many negative eigenvalues as D and S together. S is small and is treated by its eigenvalues,
 after scaling.
 """
@@ -16,9 +16,6 @@ import numpy as np
 
 from derod.core.jit import kernel
 
-TINY = 1e-14  # of the largest diagonal entry
-
-
 class Factor(NamedTuple):
     """A factored bordered band matrix."""
 
@@ -28,6 +25,8 @@ class Factor(NamedTuple):
     values: np.ndarray  # (m,) eigenvalues of the scaled S
     vectors: np.ndarray  # (m, m)
     work: np.ndarray  # (m,)
+    right: np.ndarray  # (n + w,) room for a right side that is kept
+    right_border: np.ndarray  # (m,)
     rhs: np.ndarray  # (n + w,) room for a right side, then its solution
     rhs_border: np.ndarray  # (m,)
 
@@ -40,6 +39,8 @@ def new_factor(rows: int, stride: int, borders: int) -> Factor:
         np.zeros(borders),
         np.zeros(borders),
         np.zeros((borders, borders)),
+        np.zeros(borders),
+        np.zeros(rows),
         np.zeros(borders),
         np.zeros(rows),
         np.zeros(borders),
@@ -56,16 +57,9 @@ def factorize(linear, factor):
     lower[:] = linear.band
     half[:] = linear.border
     schur = linear.corner.copy()
-    least = 0.0
-    for j in range(n):
-        least = max(least, abs(lower[j, 0]))
-    least *= TINY
     negative = 0
     for j in range(n):
         pivot = lower[j, 0]
-        if abs(pivot) < least:
-            pivot = least if pivot >= 0 else -least
-            lower[j, 0] = pivot
         negative += pivot < 0
         inverse = 1.0 / pivot
         for k in range(1, stride):
@@ -130,3 +124,40 @@ def solve(factor, x, y):
         for k in range(1, stride):
             f -= lower[j, k] * x[j + k]
         x[j] = f
+
+
+@kernel
+def subtract_product(linear, x, y, out, out_border):
+    """Subtract the matrix times (x, y) from (out, out_border); padding stays zero."""
+    band, border, corner = linear
+    rows, stride = band.shape
+    n = rows - stride + 1
+    m = corner.shape[0]
+    for j in range(n):
+        f = band[j, 0] * x[j]
+        for k in range(1, stride):
+            f += band[j, k] * x[j + k]
+            out[j + k] -= band[j, k] * x[j]
+        for k in range(m):
+            f += border[j, k] * y[k]
+            out_border[k] -= border[j, k] * x[j]
+        out[j] -= f
+    for k in range(m):
+        for i in range(m):
+            out_border[k] -= corner[k, i] * y[i]
+
+
+@kernel
+def solve_refined(linear, factor):
+    """Solve for ``factor.rhs, factor.rhs_border`` in place, with one step of iterative refinement.
+
+    The factorisation does not pivot; what it loses to a small pivot, this gives back.
+    """
+    right, right_border = factor.right, factor.right_border
+    right[:] = factor.rhs
+    right_border[:] = factor.rhs_border
+    solve(factor, factor.rhs, factor.rhs_border)
+    subtract_product(linear, factor.rhs, factor.rhs_border, right, right_border)
+    solve(factor, right, right_border)
+    factor.rhs[:] += right
+    factor.rhs_border[:] += right_border

@@ -16,7 +16,7 @@ PI_DIGITS = 6
 
 
 def read_number(value: object) -> float:
-    """``value`` as a finite float; raises ValueError for anything else, booleans and strings too."""
+    """``value`` as a finite float; raises ValueError for all else, booleans and strings too."""
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise ValueError("is not a number")
     try:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any, NoReturn
 
 from derod.errors import SceneError
@@ -17,7 +18,7 @@ METHODS = ("implicit", "fire", "kinetic")
 
 @dataclass(frozen=True, slots=True)
 class Key:
-    """How one value is read: ``read`` raises ValueError with a reason, ``holds`` judges the result."""
+    """How one value is read: ``read`` raises ValueError with a reason, ``holds`` judges."""
 
     read: Callable[[Any], Any]
     holds: Callable[[Any], bool]
@@ -172,7 +173,7 @@ def covered_range(scene: Scene) -> tuple[float, float]:
 
 
 def _check_turns(scene: Scene, points: list[float]) -> None:
-    steps = [after - before for before, after in zip(points, points[1:], strict=False)]
+    steps = [after - before for before, after in pairwise(points)]
     for i, step in enumerate(steps):
         key = "push.stop" if len(steps) == 1 else f"push.stop[{i}]"
         if step == 0.0:

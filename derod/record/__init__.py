@@ -1,0 +1,8 @@
+"""The record of a push: one HDF5 file, or a run in memory."""
+
+from derod.record.memory import MemoryRun
+from derod.record.reader import Run, open_run
+from derod.record.run import BaseRun
+from derod.record.writer import RunWriter, resume_copy
+
+__all__ = ["BaseRun", "MemoryRun", "Run", "RunWriter", "open_run", "resume_copy"]

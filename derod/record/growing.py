@@ -1,0 +1,230 @@
+"""The HDF5 file under a running push: it grows by whole frames and stays readable at every moment.
+
+Two things make it so. The counter ``committed`` is written after everything it counts, so a killed
+process leaves at most an uncounted frame. And room on the disk is taken before HDF5 needs it: a
+write that fails inside HDF5 leaves a library that crashes when the file is closed, so none may fail
+there.
+"""
+
+from __future__ import annotations
+
+import datetime
+import errno
+import os
+import platform
+from importlib import metadata
+
+import h5py
+import numpy as np
+
+from derod.frames import ROW, Ending, Event, Frame
+from derod.record import layout
+from derod.record.column import Column
+from derod.record.run import BaseRun
+from derod.scene import Scene
+
+METADATA_BYTES = 128 * 1024
+"""Room kept for HDF5's own bookkeeping ahead of a frame; its largest index block is smaller."""
+FRAMES_AHEAD = 8
+
+
+class NoRoomError(OSError):
+    """The disk, or a quota, has no room for another frame; the file is in order."""
+
+
+class GrowingFile:
+    """An HDF5 run file open for writing; methods raise OSError or RuntimeError when they fail."""
+
+    def __init__(self, path: str, scene: Scene, created: str | None = None) -> None:
+        edges = scene.mesh.edges
+        self.path = path
+        self.nodes = edges + 1
+        self.frames = 0
+        self.events = 0
+        self._frame_bytes = 8 * (3 * self.nodes + self.nodes + edges + 3) + ROW.itemsize
+        self._reserved = 0
+        self._file = h5py.File(path, "w", libver=layout.LIBVER, locking=False)
+        try:
+            self._tail = open(path, "r+b", buffering=0)  # noqa: SIM115, PTH123  closed in close()
+            self._reserve()
+            self._create(scene, created)
+            self._file.flush()
+            self._file.swmr_mode = True
+        except BaseException:
+            self.abandon()
+            raise
+
+    def append_frame(self, frame: Frame) -> None:
+        """Write one frame and commit it."""
+        self._write_frame(frame, self.frames)
+        self._commit(self.frames + 1, self.events)
+
+    def append_event(self, event: Event) -> None:
+        """Write one event and commit it."""
+        self._write_event(event, self.events)
+        self._commit(self.frames, self.events + 1)
+
+    def copy(self, run: BaseRun) -> None:
+        """Write the frames of ``run``, and the events before them, and commit them as a whole."""
+        for i in range(len(run)):
+            self._write_frame(run.frame_at(i), i)
+        events = [event for event in run.events if event.increment < len(run)]
+        for i, event in enumerate(events):
+            self._write_event(event, i)
+        self._commit(len(run), len(events))
+
+    def _write_frame(self, frame: Frame, i: int) -> None:
+        self._reserve()
+        self._values[layout.POSITION].write(i, frame.positions)
+        self._values[layout.ARC_LENGTH].write(i, frame.arc_length)
+        self._values[layout.EDGE_TENSION].write(i, frame.edge_tension)
+        self._values[layout.DROP].write(i, frame.drop_center)
+        self._values[layout.TABLE].write(i, frame.row)
+        self._step.write(i, frame.row["increment"])
+        self._time.write(i, frame.row["end_shortening"])
+
+    def _write_event(self, event: Event, i: int) -> None:
+        self._reserve()
+        record = np.array(
+            (
+                event.increment,
+                layout.encoded(event.kind, layout.KIND_BYTES),
+                event.end_shortening,
+                event.energy_before,
+                event.energy_after,
+                layout.encoded(event.message, layout.MESSAGE_BYTES),
+            ),
+            dtype=layout.EVENT_TYPE,
+        )
+        self._events.write(i, record)
+
+    def _commit(self, frames: int, events: int) -> None:
+        """Let the operating system have everything, then the counter."""
+        if frames != self.frames:
+            for column in (*self._values.values(), self._step, self._time):
+                column.flush()
+        if events != self.events:
+            self._events.flush()
+        self._committed[...] = (frames, events)
+        self._committed.flush()
+        self.frames, self.events = frames, events
+
+    def write_ending(self, ending: Ending) -> None:
+        """Write how the push ended; the place for it was taken at the beginning."""
+        self._ending[0] = (
+            layout.encoded(ending.outcome, layout.KIND_BYTES),
+            layout.encoded(ending.message, layout.MESSAGE_BYTES),
+            ending.end_shortening,
+        )
+        self._ending.flush()
+
+    def close(self) -> None:
+        """Give back the room not used and close the file."""
+        self._tail.truncate(self._file.id.get_filesize())
+        self._tail.close()
+        self._file.close()
+
+    def abandon(self) -> None:
+        """Close without writing anything more, after a write has failed.
+
+        HDF5 would try the failed write again and crash the process; its writes are sent to nowhere.
+        """
+        descriptor = self._file.id.get_vfd_handle()
+        nowhere = os.open(os.devnull, os.O_RDWR)
+        os.dup2(nowhere, descriptor)
+        os.close(nowhere)
+        self._file.close()
+        if hasattr(self, "_tail"):
+            self._tail.close()
+
+    def is_at(self, path: str) -> bool:
+        """Whether ``path`` still leads to this file: neither moved, deleted nor replaced."""
+        try:
+            there = os.stat(path)  # noqa: PTH116  a tenth of the time of Path.stat
+        except OSError:
+            return False
+        here = os.fstat(self._tail.fileno())
+        return (there.st_ino, there.st_dev) == (here.st_ino, here.st_dev)
+
+    def _reserve(self) -> None:
+        """Take room for the next frame behind the end of what HDF5 has allocated."""
+        end = self._file.id.get_filesize()
+        need = self._frame_bytes + METADATA_BYTES
+        if self._reserved - end >= need:
+            return
+        ahead = FRAMES_AHEAD * self._frame_bytes + 2 * METADATA_BYTES
+        self._tail.seek(end)
+        try:
+            written = self._tail.write(bytes(ahead))
+        except OSError as error:
+            raise NoRoomError(error.errno, error.strerror, self.path) from error
+        if written < ahead:
+            raise NoRoomError(errno.ENOSPC, os.strerror(errno.ENOSPC), self.path)
+        self._reserved = end + ahead
+
+    def _create(self, scene: Scene, created: str | None) -> None:
+        file, edges = self._file, self.nodes - 1
+        _write_provenance(file, scene, created)
+        box = file.create_group("particles/rod/box")
+        box.attrs["dimension"] = 3
+        box.attrs["boundary"] = np.array(["none"] * 3, dtype="S4")
+        file["particles/drop/box"] = box
+        position = layout.POSITION
+        self._step = Column(file, f"{position}/step", "i8", per_chunk=1024)
+        self._time = Column(file, f"{position}/time", "f8", per_chunk=1024, unit="D")
+        self._time.dataset.attrs["quantity"] = "end_shortening"
+        shapes = {
+            layout.POSITION: (self.nodes, 3),
+            layout.ARC_LENGTH: (self.nodes,),
+            layout.EDGE_TENSION: (edges,),
+            layout.DROP: (1, 3),
+        }
+        self._values = {
+            name: Column(file, f"{name}/value", "f8", shape, per_chunk=1, unit=layout.UNITS[name])
+            for name, shape in shapes.items()
+        }
+        table = Column(file, f"{layout.TABLE}/value", ROW, per_chunk=layout.ROWS_PER_CHUNK)
+        for name, unit in layout.ROW_UNITS.items():
+            table.dataset.attrs[f"unit {name}"] = unit
+        self._values[layout.TABLE] = table
+        for name in layout.ELEMENTS[1:]:
+            file[f"{name}/step"] = self._step.dataset
+            file[f"{name}/time"] = self._time.dataset
+        self._events = Column(file, layout.EVENTS, layout.EVENT_TYPE, per_chunk=16)
+        self._ending = file.create_dataset(layout.ENDING, data=np.zeros(1, layout.ENDING_TYPE))
+        self._committed = file.create_dataset(layout.COMMITTED, data=np.zeros(2, "i8"))
+
+
+def _write_provenance(file: h5py.File, scene: Scene, created: str | None) -> None:
+    file.attrs["derod_format"] = layout.FORMAT
+    now = datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds")
+    h5md = file.create_group("h5md")
+    h5md.attrs["version"] = np.array(layout.H5MD_VERSION, dtype="i4")
+    h5md.create_group("author").attrs["name"] = "unknown"
+    creator = h5md.create_group("creator")
+    creator.attrs["name"] = "derod"
+    creator.attrs["version"] = _version("derod")
+    parameters = file.create_group("parameters")
+    parameters.attrs["created"] = created or now
+    parameters.attrs["opened"] = now
+    parameters.attrs["seed"] = scene.noise.seed
+    parameters.attrs["platform"] = platform.platform()
+    parameters.attrs["python"] = platform.python_version()
+    for package in ("derod", "numpy", "numba", "h5py"):
+        parameters.attrs[package] = _version(package)
+    parameters.attrs["hdf5"] = h5py.version.hdf5_version
+    text = scene.text.encode("utf-8")
+    file.create_dataset(
+        layout.SCENE, data=text, dtype=h5py.string_dtype("utf-8", max(len(text), 1))
+    )
+
+
+def _version(package: str) -> str:
+    if package == "derod":
+        import derod
+
+        return derod.__version__
+    try:
+        return metadata.version(package)
+    except metadata.PackageNotFoundError:
+        return "unknown"
