@@ -10,8 +10,12 @@ from derod.branches.fields import Fields, evaluate_fields, interpolate
 from derod.branches.gauss import NODES, STAGES
 from derod.branches.state import HalfRod
 
-RESOLUTION = 1.8
+RESOLUTION = 1.35
 """Elements per natural length of the local linearised rod."""
+CONE = 1.0
+"""Weight of 1/r, times v0^(1/10): an element of length h sees a share (h/r)^10 of the kink v0."""
+POLE = 1.0
+"""Weight of |dr/ds|/gap beside 1/r: near the meniscus v(s) has a pole gap/2 further out."""
 GRADING = 0.35
 """Largest change of the target element length per unit of arc length (in element lengths)."""
 DRIFT = 1.35
@@ -21,7 +25,7 @@ LEAST_ELEMENTS = 8
 
 def density(state: HalfRod, fields: Fields) -> np.ndarray:
     """Inverse natural length at the Gauss points (E, m): turning |m|, tension |n|^(1/2), wall stiffness
-    (d^2v/dr^2)^(1/4) and the wall's cone 1/r; outside the drop it decays with the boundary layer."""
+    (d^2v/dr^2)^(1/4), the wall's cone 1/r and its pole; outside the drop it decays with the boundary layer."""
     prm = state.parameters
     turning = np.linalg.norm(fields.moments, axis=2)
     tension = np.sqrt(np.linalg.norm(fields.forces, axis=2))
@@ -29,7 +33,10 @@ def density(state: HalfRod, fields: Fields) -> np.ndarray:
     out = 1.0 + turning + tension
     wet = slice(None, state.inner)
     gap = 1.0 + prm.wall_softness - 2.0 * radius[wet]
-    out[wet] += (8.0 * prm.wall_strength / gap**3) ** 0.25 + 0.6 / (radius[wet] + 1e-3)
+    crossing = np.abs(np.einsum("eki,eki->ek", fields.places, fields.tangents)[wet]) / radius[wet]
+    kink = 1.0 / (radius[wet] + 1e-3) + POLE * crossing / gap
+    out[wet] += (8.0 * prm.wall_strength / gap**3) ** 0.25
+    out[wet] += CONE * prm.wall_strength**0.1 * kink
     s = state.node_arc_length
     left = s[:-1][np.arange(s.size - 1) != state.inner]
     points = left[:, None] + state.lengths[:, None] * NODES
