@@ -211,7 +211,7 @@ class Push:
         value = np.nan
         for attempt in range(MOST_KICKS):
             value, kicked = self.kicked(state, amplitude * STRONGER**attempt, attempt)
-            solution = relax(self.relaxer, self.system, kicked)
+            solution = relax(self.relaxer, self.system, kicked, descend=True)
             iterations += solution.iterations
             if not solution.converged:
                 continue

@@ -6,9 +6,9 @@ import numpy as np
 
 from derod.core.layout import Mesh
 
-WETTED_SHARE = 0.5  # of the edges
-LAYER = 0.15  # D; the boundary layers beside the menisci are 1/sqrt(t) = 0.2 to 0.5 wide
-INNER_GRADING = 0.0  # logarithm of the longest inner edge over the shortest
+WETTED_SHARE = 0.65  # of the edges
+LAYER = 0.12  # D; the boundary layers beside the menisci are 1/sqrt(t) = 0.2 to 0.5 wide
+INNER_GRADING = 0.9  # logarithm of the longest inner edge over the shortest
 
 
 def make_mesh(

@@ -2,9 +2,9 @@
 
     (H + shift M) dz = -residual
 
-with M the dual lengths. The shift is raised until the energy has no direction of negative curvature
-left on the constraints, so that a step is always downhill, and falls to zero on approach: the steps
-then converge quadratically, to a minimum. Steps are limited by the gap to the wall (a barrier), by the
+with M the dual lengths. Where a plain Newton step fails, or where only descent is wanted, the shift is
+raised until the energy has no direction of negative curvature left on the constraints: a step is then
+downhill. It falls to zero on approach, and the steps converge quadratically. Steps are limited by the gap to the wall (a barrier), by the
 rotation of an edge and by the lengths of the three regions.
 """
 
@@ -28,6 +28,7 @@ MOST_ROTATION = 0.5  # rad of an edge in one step
 MOST_GAP_USED = 0.7
 MOST_REGION_USED = 0.5
 TRIALS = 40
+ENERGY_ROUNDING = 1e-13  # of f_gamma l, below which energies cannot tell two states apart
 CORRECTIONS = 3  # of a trial's lengths, before its merit condemns it
 
 
@@ -136,8 +137,13 @@ def restore_lengths(room, factor, tq, tb):
 
 
 @kernel
-def newton_step(physics, mesh, end_rotation, tolerance, shift, psi, room, factor, q, b, dq, db, tq, tb):
+def newton_step(
+    physics, mesh, end_rotation, tolerance, descend, shift, psi, room, factor, q, b, dq, db, tq, tb
+):
     """Improve the state (q, b, psi) in place by one damped step.
+
+    With ``descend`` every step is downhill. Without, plain Newton steps are taken as long as they make
+    progress, toward whatever equilibrium the state was predicted for, stable or not.
 
     ``room`` holds the gradient at the state, on entry and on return. ``dq, db, tq, tb`` are room for
     the step and the trial state.
@@ -152,10 +158,12 @@ def newton_step(physics, mesh, end_rotation, tolerance, shift, psi, room, factor
     for _ in range(TRIALS):
         hessian(physics, mesh, q, b, psi_old, end_rotation, room)
         add_shift(room.kin, room.linear, d, shift)
-        while unstable_modes(room.linear, factor, d) != 0 and shift < LARGEST_SHIFT:
+        modes = unstable_modes(room.linear, factor, d)
+        while (modes < 0 or (modes > 0 and (descend or shift > 0))) and shift < LARGEST_SHIFT:
             more = max(LEAST_SHIFT, (RAISE - 1) * shift)
             add_shift(room.kin, room.linear, d, more)
             shift += more
+            modes = unstable_modes(room.linear, factor, d)
         x[:] = 0.0
         y[:] = 0.0
         for i in range(1, n + 1):
@@ -186,7 +194,8 @@ def newton_step(physics, mesh, end_rotation, tolerance, shift, psi, room, factor
                 break
             new, new_force = excess(physics, room.r, room.rb, room.kin, tolerance)
             after = merit(physics, mesh, tq, tb, psi, end_rotation, penalty, room)
-            if new < 0.9 * old or after < before:
+            slack = ENERGY_ROUNDING * physics.capillary_force * physics.length
+            if new < 0.9 * old or after < before or (new < old and after < before + slack):
                 q[:] = tq
                 b[:] = tb
                 if fraction == 1.0:

@@ -4,8 +4,8 @@
 
 K is factored without pivoting: each multiplier comes after its edge's nodes, so that a pivot only
 vanishes by accident; the factor is then not finite, and says so. By Sylvester's law the whole matrix
-has as many negative eigenvalues as D and S together. S is small and is treated by its eigenvalues,
-after scaling.
+has as many negative eigenvalues as D and S together. Zero blocks stay exactly zero: a planar state gets
+no force out of its plane.
 """
 
 from __future__ import annotations
@@ -22,9 +22,7 @@ class Factor(NamedTuple):
     lower: np.ndarray  # (n + w, w + 1): D on lower[:, 0], L's columns beside it
     half: np.ndarray  # (n + w, m): L^{-1} B
     scale: np.ndarray  # (m,) that makes S's rows comparable
-    values: np.ndarray  # (m,) eigenvalues of the scaled S
-    vectors: np.ndarray  # (m, m)
-    work: np.ndarray  # (m,)
+    schur: np.ndarray  # (m, m) S, scaled
     right: np.ndarray  # (n + w,) room for a right side that is kept
     right_border: np.ndarray  # (m,)
     rhs: np.ndarray  # (n + w,) room for a right side, then its solution
@@ -37,9 +35,7 @@ def new_factor(rows: int, stride: int, borders: int) -> Factor:
         np.zeros((rows, stride)),
         np.zeros((rows, borders)),
         np.zeros(borders),
-        np.zeros(borders),
         np.zeros((borders, borders)),
-        np.zeros(borders),
         np.zeros(rows),
         np.zeros(borders),
         np.zeros(rows),
@@ -50,13 +46,13 @@ def new_factor(rows: int, stride: int, borders: int) -> Factor:
 @kernel
 def factorize(linear, factor):
     """Factor the matrix; return its number of negative eigenvalues, or -1 if it is not finite."""
-    lower, half = factor.lower, factor.half
+    lower, half, schur = factor.lower, factor.half, factor.schur
     rows, stride = lower.shape
     n = rows - stride + 1
     m = half.shape[1]
     lower[:] = linear.band
     half[:] = linear.border
-    schur = linear.corner.copy()
+    schur[:] = linear.corner
     negative = 0
     for j in range(n):
         pivot = lower[j, 0]
@@ -83,18 +79,13 @@ def factorize(linear, factor):
     for k in range(m):
         for i in range(m):
             schur[k, i] *= factor.scale[k] * factor.scale[i]
-    values, vectors = np.linalg.eigh(schur)
-    factor.values[:] = values
-    factor.vectors[:] = vectors
-    for k in range(m):
-        negative += values[k] < 0
-    return negative
+    return negative + np.sum(np.linalg.eigvalsh(schur) < 0)
 
 
 @kernel
 def solve(factor, x, y):
     """Solve in place: ``x`` ((n + w,), padding zero) and ``y`` ((m,)) are right side, then solution."""
-    lower, half, work = factor.lower, factor.half, factor.work
+    lower, half = factor.lower, factor.half
     rows, stride = lower.shape
     n = rows - stride + 1
     m = half.shape[1]
@@ -105,16 +96,7 @@ def solve(factor, x, y):
         f /= lower[j, 0]
         for k in range(m):
             y[k] -= half[j, k] * f
-    work[:] = 0.0
-    for k in range(m):
-        f = 0.0
-        for i in range(m):
-            f += factor.vectors[i, k] * factor.scale[i] * y[i]
-        f /= factor.values[k]
-        for i in range(m):
-            work[i] += factor.vectors[i, k] * f
-    for k in range(m):
-        y[k] = factor.scale[k] * work[k]
+    y[:] = factor.scale * np.linalg.solve(factor.schur, factor.scale * y)
     x[n:] = 0.0
     for j in range(n - 1, -1, -1):
         f = x[j]

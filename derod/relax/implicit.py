@@ -11,14 +11,15 @@ from derod.system import System
 
 
 class Implicit:
-    """Pseudo-transient continuation to a minimum."""
+    """Pseudo-transient continuation and Newton's method."""
 
     limit = 400
     easy, hard = 4, 10
 
-    def begin(self, system: System, state: State, tolerance: float) -> Report:
+    def begin(self, system: System, state: State, tolerance: float, *, descend: bool) -> Report:
         """Take the residual of the state."""
         self.system, self.state, self.tolerance = system, state, tolerance
+        self.descend = descend
         self.shift = 0.0
         self.work = (
             np.zeros_like(state.q),
@@ -37,6 +38,7 @@ class Implicit:
             system.mesh,
             system.end_rotation,
             self.tolerance,
+            self.descend,
             self.shift,
             state.holonomy,
             system.room,

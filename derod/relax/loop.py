@@ -53,7 +53,7 @@ class Relaxer(Protocol):
     easy: int  # at most that many iterations: the next increment may be longer
     hard: int  # more than that: it shall be shorter
 
-    def begin(self, system: System, state: State, tolerance: float) -> Report:
+    def begin(self, system: System, state: State, tolerance: float, *, descend: bool) -> Report:
         """Look at the state; keep what the method must remember."""
 
     def advance(self) -> Report:
@@ -68,14 +68,19 @@ def relax(
     system: System,
     start: State,
     tolerance: float | None = None,
+    *,
+    descend: bool = False,
     watch: Watcher | None = None,
 ) -> Solution:
     """Relax a copy of ``start`` until its residual meets ``tolerance`` (K0/D^2, default the scene's).
 
+    With ``descend`` no step goes uphill, so that a state kicked off a saddle does not fall back on it.
+
     ``watch(iteration, state, report)`` sees the state after every advance.
     """
     state = start.copy()
-    report = relaxer.begin(system, state, system.tolerance if tolerance is None else tolerance)
+    tolerance = system.tolerance if tolerance is None else tolerance
+    report = relaxer.begin(system, state, tolerance, descend=descend)
     done = 0
     while True:
         if watch is not None:
