@@ -34,7 +34,8 @@ _T = TypeVar("_T")
 
 @dataclass(frozen=True)
 class Stored:
-    """A branch's point as it is written: state, numbers, mesh-halving error, label of a special point."""
+    """A branch's point as it is written: state, numbers, mesh-halving error, label of a special
+    point."""
 
     state: HalfRod
     values: dict[str, float]
@@ -45,7 +46,8 @@ class Stored:
 
 @dataclass(frozen=True)
 class Bifurcation:
-    """A special point of a branch: its index among the points, kind, and the branch that leaves there."""
+    """A special point of a branch: its index among the points, kind, and the branch that leaves
+    there."""
 
     index: int
     kind: str
@@ -114,7 +116,8 @@ def special_points(
 ) -> list[tuple[int, SpecialPoint]]:
     """Folds and, on planar paths, pitchforks; each with the index of the point it follows.
 
-    A sign change without a zero is passed over (mesh changes can shake the sign near a double zero).
+    A sign change without a zero is passed over (mesh changes can shake the sign near a double
+    zero).
     """
     tests: list[tuple[str, Callable[[Point], float]]] = [("fold", fold_function)]
     if odd is not None:

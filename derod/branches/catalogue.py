@@ -1,9 +1,9 @@
 """The paper's paths by name, each found from the straight rod without a guess.
 
-Ax: planar, from the straight rod's buckling. 3D: leaves Ax at its first pitchfork (end rotation 0) or
-the twisted straight rod (end rotation 2 pi). L1, L2, ...: planar loops that a 3D path meets; 3D after
-L_j is named 3D-Lj. Pt: point-symmetric planar curve, reached from large f_gamma. Tri1, Tri2, ...: space
-paths of higher energy from the other pitchforks of Ax.
+Ax: planar, from the straight rod's buckling. 3D: leaves Ax at its first pitchfork (end rotation
+0) or the twisted straight rod (end rotation 2 pi). L1, L2, ...: planar loops that a 3D path
+meets; 3D after L_j is named 3D-Lj. Pt: point-symmetric planar curve, reached from large f_gamma.
+Tri1, Tri2, ...: space paths of higher energy from the other pitchforks of Ax.
 """
 
 from __future__ import annotations
@@ -83,8 +83,8 @@ class Path:
 class Catalogue:
     """Finds and keeps the paths of one set of parameters.
 
-    ``delta_limit`` (D) bounds the end-shortening; paths of interest end earlier, where the outer rod
-    runs out.
+    ``delta_limit`` (D) bounds the end-shortening; paths of interest end earlier, where the outer
+    rod runs out.
     """
 
     def __init__(
@@ -104,7 +104,8 @@ class Catalogue:
 
     @property
     def twisted(self) -> bool:
-        """Whether the straight rod is twisted (end rotation not a multiple of 4 pi: all start as one)."""
+        """Whether the straight rod is twisted (end rotation not a multiple of 4 pi: all start as
+        one)."""
         return self.parameters.end_rotation != 0.0
 
     # --- paths -----------------------------------------------------------------------------------
@@ -157,7 +158,8 @@ class Catalogue:
         return stop
 
     def space_path(self, name: str, origin: Path, number: int, side: float = 1.0) -> Path:
-        """The path that leaves a planar one at its special point ``number``, up to the next plane."""
+        """The path that leaves a planar one at its special point ``number``, up to the next
+        plane."""
         special = origin.specials[number][1]
         settled, outward = branch_off(special, self.control.tolerance, side)
         tracer = self.tracer(FULL)
@@ -172,7 +174,8 @@ class Catalogue:
         return path
 
     def _join(self, path: Path, reason: object) -> None:
-        """If a space path ended in a plane, trace the planar path there and cut the space path at it."""
+        """If a space path ended in a plane, trace the planar path there and cut the space path at
+        it."""
         if not isinstance(reason, tuple):
             return
         even, odd = reason

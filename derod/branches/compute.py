@@ -83,9 +83,10 @@ def compute_branches(
             branches.append(catalogue.store(path, count_modes))
     if paths is not None:
         found = [branch.name for branch in branches]
-        for one in asked:
-            if not any(wanted(name, [one]) for name in found):
-                complaints.append(
-                    f"{one}: not met by the paths followed ({', '.join(catalogue.paths)})"
-                )
+        followed = ", ".join(catalogue.paths)
+        complaints += [
+            f"{one}: not met by the paths followed ({followed})"
+            for one in asked
+            if not any(wanted(name, [one]) for name in found)
+        ]
     return branches, complaints

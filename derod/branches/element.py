@@ -1,14 +1,15 @@
 """One collocation element of the half-rod equations, condensed to its two end states.
 
-State at a node, 10 numbers: w = r - r_C (3), q (4), n (3). The frame of eq:18d-equilibre is carried by
-the unit quaternion q = (q_w, q_x, q_y, q_z), d_i = q e_i q*, so that d_3' = m x d_3 and
-d_1' = (m + (1 - k3) u3 d_3) x d_1 become
+State at a node, 10 numbers: w = r - r_C (3), q (4), n (3). The frame of eq:18d-equilibre is
+carried by the unit quaternion q = (q_w, q_x, q_y, q_z), d_i = q e_i q*, so that d_3' = m x d_3
+and d_1' = (m + (1 - k3) u3 d_3) x d_1 become
 
     q' = (m q + (1 - k3) u3 q e_3) / 2,      w' = d_3(q),      n' = chi grad v(w).
 
-The moment is not integrated: c = m + w x n is conserved (the meniscus force is radial), c_y = 0 by the
-flip symmetry, u3 is uniform (equa_M3). Hence m = c - w x n with the four element parameters
-(c_x, c_z, u3, sigma), sigma entering through the element's length. Gauss collocation keeps |q| = 1.
+The moment is not integrated: c = m + w x n is conserved (the meniscus force is radial), c_y = 0
+by the flip symmetry, u3 is uniform (equa_M3). Hence m = c - w x n with the four element
+parameters (c_x, c_z, u3, sigma), sigma entering through the element's length. Gauss collocation
+keeps |q| = 1.
 
 In an element only the stage quaternions Q_k are unknowns: W_k and N_k follow from them explicitly.
 """
@@ -47,7 +48,8 @@ def tangent_derivative(q, out):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, error_model="numpy")
 def wall_gradient(w, strength, softness, grad, hess):  # type: ignore[no-untyped-def]
-    """Gradient (3,) and Hessian (3, 3) of v = v0/(1 + rho - 2 |w|); returns the gap 1 + rho - 2 |w|.
+    """Gradient (3,) and Hessian (3, 3) of v = v0/(1 + rho - 2 |w|); returns the gap 1 + rho - 2
+    |w|.
 
     The cone at w = 0 is met only in the limit: Gauss points never lie on a node.
     """
@@ -85,7 +87,8 @@ def quaternion_rate(m, twist, q, out):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, error_model="numpy")
 def stages(y, Q, h, p, k3, strength, softness, wet, D, W, G, H, N, Mm, P):  # type: ignore[no-untyped-def]
-    """Stage tangents, places, wall forces, forces, moments and quaternion rates; returns the least gap."""
+    """Stage tangents, places, wall forces, forces, moments and quaternion rates; returns the
+    least gap."""
     gap = 1.0
     for k in range(_M):
         tangent(Q[k], D[k])
@@ -145,13 +148,13 @@ def _solve_in_place(S, X, size, columns):  # type: ignore[no-untyped-def]
 def condense(nodes, Q, eta, inner, half, p, k3, strength, softness, A, r, X):  # type: ignore[no-untyped-def]
     """Linearise every element and eliminate its stages.
 
-    nodes (E+2, 10): inner nodes first, then the outer ones (the meniscus twice: before and after the
-    jump). Q (E, m, 4) stage quaternions, eta (E,) element lengths as fractions of their interval, inner
-    the number of wetted elements, half = l/2, p = (c_x, c_z, u3, sigma).
-    Writes A (E, 10, 14): derivative of the right end state with respect to the left end state and p;
-    r (E, 10): right end state of the linearised stages minus the right node; X (E, 4m, 15): derivative
-    of the stages with respect to the same 14 inputs and, last, their own Newton step.
-    Returns (least gap, largest stage residual).
+    nodes (E+2, 10): inner nodes first, then the outer ones (the meniscus twice: before and after
+    the jump). Q (E, m, 4) stage quaternions, eta (E,) element lengths as fractions of their
+    interval, inner the number of wetted elements, half = l/2, p = (c_x, c_z, u3, sigma). Writes A
+    (E, 10, 14): derivative of the right end state with respect to the left end state and p; r (E,
+    10): right end state of the linearised stages minus the right node; X (E, 4m, 15): derivative
+    of the stages with respect to the same 14 inputs and, last, their own Newton step. Returns
+    (least gap, largest stage residual).
     """
     D = np.empty((_M, 3))
     W = np.empty((_M, 3))
@@ -226,8 +229,8 @@ def condense(nodes, Q, eta, inner, half, p, k3, strength, softness, A, r, X):  #
             Pz[j, 1, 12] += half_k * q[2]
             Pz[j, 2, 12] -= half_k * q[1]
             Pz[j, 3, 12] += half_k * q[0]
-            for l in range(_M):
-                f = h * _A[j, l]
+            for other in range(_M):
+                f = h * _A[j, other]
                 C[0, 0], C[0, 1], C[0, 2] = 0.0, -f * N[j, 2], f * N[j, 1]
                 C[1, 0], C[1, 1], C[1, 2] = f * N[j, 2], 0.0, -f * N[j, 0]
                 C[2, 0], C[2, 1], C[2, 2] = -f * N[j, 1], f * N[j, 0], 0.0
@@ -236,7 +239,7 @@ def condense(nodes, Q, eta, inner, half, p, k3, strength, softness, A, r, X):  #
                         for b in range(3):
                             total = 0.0
                             for k in range(_M):
-                                total += _A[j, k] * _A[k, l] * H[k, a, b]
+                                total += _A[j, k] * _A[k, other] * H[k, a, b]
                             T[a, b] = h * h * total
                     for b in range(3):
                         C[0, b] -= W[j, 1] * T[2, b] - W[j, 2] * T[1, b]
@@ -245,11 +248,13 @@ def condense(nodes, Q, eta, inner, half, p, k3, strength, softness, A, r, X):  #
                 for a in range(3):
                     for b in range(4):
                         CE[a, b] = (
-                            C[a, 0] * E[l, 0, b] + C[a, 1] * E[l, 1, b] + C[a, 2] * E[l, 2, b]
+                            C[a, 0] * E[other, 0, b]
+                            + C[a, 1] * E[other, 1, b]
+                            + C[a, 2] * E[other, 2, b]
                         )
                 for a in range(4):
                     for b in range(4):
-                        PQ[j, l, a, b] = (
+                        PQ[j, other, a, b] = (
                             L[a, 0] * CE[0, b] + L[a, 1] * CE[1, b] + L[a, 2] * CE[2, b]
                         )
             m0, m1, m2 = 0.5 * Mm[j, 0], 0.5 * Mm[j, 1], 0.5 * Mm[j, 2]
@@ -272,12 +277,12 @@ def condense(nodes, Q, eta, inner, half, p, k3, strength, softness, A, r, X):  #
         for j in range(_M):
             for a in range(4):
                 row = 4 * j + a
-                for l in range(_M):
+                for other in range(_M):
                     for b in range(4):
                         total = 0.0
                         for k in range(_M):
-                            total += _A[j, k] * PQ[k, l, a, b]
-                        S[row, 4 * l + b] = -h * total
+                            total += _A[j, k] * PQ[k, other, a, b]
+                        S[row, 4 * other + b] = -h * total
                 S[row, row] += 1.0
                 mean = 0.0
                 for k in range(_M):
@@ -340,9 +345,9 @@ def condense(nodes, Q, eta, inner, half, p, k3, strength, softness, A, r, X):  #
                 for k in range(_M):
                     if z < INPUTS:
                         total += _B[k] * Pz[k, a, z]
-                    for l in range(_M):
+                    for other in range(_M):
                         for b in range(4):
-                            total += _B[k] * PQ[k, l, a, b] * x[4 * l + b, z]
+                            total += _B[k] * PQ[k, other, a, b] * x[4 * other + b, z]
                 if z < INPUTS:
                     A[e, 3 + a, z] = h * total
                 else:

@@ -11,7 +11,6 @@ from derod.branches.newton import NotConverged, settle
 from derod.branches.observables import observables
 from derod.branches.state import HalfRod
 
-
 ONE_STEP = 1e-5
 """A Newton step this small leaves an error of its square, far below what is measured."""
 REFINEMENTS = (1.0, 1.4, 2.0, 2.8)
@@ -19,10 +18,11 @@ REFINEMENTS = (1.0, 1.4, 2.0, 2.8)
 
 
 def halving_error(tracer: Tracer, state: HalfRod, tangent: np.ndarray) -> float:
-    """Largest change of t, E_hat (relative to themselves, or to one), wetted length and delta on the halved mesh.
+    """Largest change of t, E_hat (relative to themselves, or to one), wetted length and delta on
+    the halved mesh.
 
-    The state is solved again in the hyperplane across the path (normal ``tangent``), so that folds are
-    no exception. Raises NotConverged.
+    The state is solved again in the hyperplane across the path (normal ``tangent``), so that
+    folds are no exception. Raises NotConverged.
     """
     closing = np.stack([frozen(tracer.held), tracer.metric * tangent])
     values = closing @ state.kept
@@ -38,7 +38,8 @@ def halving_error(tracer: Tracer, state: HalfRod, tangent: np.ndarray) -> float:
 def _on_halved_mesh(
     tracer: Tracer, state: HalfRod, closing: np.ndarray, values: np.ndarray
 ) -> HalfRod:
-    """The state solved on the halved mesh: one Newton step where that is enough (it squares the error)."""
+    """The state solved on the halved mesh: one Newton step where that is enough (it squares the
+    error)."""
     start = halved(state)
     reduced = Reduced(linearise(start), tracer.mirror)
     missing = values - closing @ start.kept

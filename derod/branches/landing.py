@@ -98,7 +98,8 @@ def _walk(state: HalfRod, mirror: Mirror, delta: float) -> Settled:
 
 
 def center_line(state: HalfRod, s: np.ndarray) -> np.ndarray:
-    """Places (k, 3) of the whole rod at arc lengths ``s`` (k,) from the first clamp (at the origin), D."""
+    """Places (k, 3) of the whole rod at arc lengths ``s`` (k,) from the first clamp (at the
+    origin), D."""
     half = 0.5 * state.parameters.length
     from_middle = np.asarray(s, dtype=float) - half
     nodes = np.delete(state.node_arc_length, state.inner + 1)

@@ -1,4 +1,5 @@
-"""Meshes that follow a state: how fast things vary along the rod, and moving a state to a new mesh."""
+"""Meshes that follow a state: how fast things vary along the rod, and moving a state to a new
+mesh."""
 
 from __future__ import annotations
 
@@ -19,13 +20,15 @@ POLE = 1.0
 GRADING = 0.35
 """Largest change of the target element length per unit of arc length (in element lengths)."""
 DRIFT = 1.35
-"""A mesh is replaced when an element holds this much more than the mean of the density's integral."""
+"""A mesh is replaced when an element holds this much more than the mean of the density's
+integral."""
 LEAST_ELEMENTS = 8
 
 
 def density(state: HalfRod, fields: Fields) -> np.ndarray:
-    """Inverse natural length at the Gauss points (E, m): turning |m|, tension |n|^(1/2), wall stiffness
-    (d^2v/dr^2)^(1/4), the wall's cone 1/r and its pole; outside the drop it decays with the boundary layer."""
+    """Inverse natural length at the Gauss points (E, m): turning |m|, tension |n|^(1/2), wall
+    stiffness (d^2v/dr^2)^(1/4), the wall's cone 1/r and its pole; outside the drop it decays with
+    the boundary layer."""
     prm = state.parameters
     turning = np.linalg.norm(fields.moments, axis=2)
     tension = np.sqrt(np.linalg.norm(fields.forces, axis=2))
@@ -47,7 +50,8 @@ def density(state: HalfRod, fields: Fields) -> np.ndarray:
 
 
 def _graded(points: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """The least density above ``values`` whose inverse changes by at most GRADING per unit length."""
+    """The least density above ``values`` whose inverse changes by at most GRADING per unit
+    length."""
     h = 1.0 / values
     slope = GRADING * points
     forward = slope + np.minimum.accumulate(h - slope)
@@ -92,7 +96,8 @@ def drifted(state: HalfRod, resolution: float = RESOLUTION) -> bool:
 
 
 def adapted(state: HalfRod, resolution: float = RESOLUTION) -> HalfRod:
-    """The state on a mesh that equidistributes the density, ``resolution`` elements per unit of it."""
+    """The state on a mesh that equidistributes the density, ``resolution`` elements per unit of
+    it."""
     etas = []
     for knots, area, _, length in _halves(state):
         count = max(LEAST_ELEMENTS, int(np.ceil(area[-1] * resolution)))

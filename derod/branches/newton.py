@@ -40,8 +40,9 @@ def settle(
 ) -> Settled:
     """Solve the half-rod equations closed by ``closing`` (2, 36) . kept unknowns = ``values`` (2,).
 
-    Ends when no equation's residual exceeds ``tolerance``; the linearisation returned is that of the
-    final state. Raises NotConverged after ``max_iterations``, at the wall, or on a singular matrix.
+    Ends when no equation's residual exceeds ``tolerance``; the linearisation returned is that of
+    the final state. Raises NotConverged after ``max_iterations``, at the wall, or on a singular
+    matrix.
     """
     for iteration in range(max_iterations + 1):
         elements = linearise(state)

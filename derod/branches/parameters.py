@@ -25,7 +25,8 @@ class Parameters:
     wall_softness: float = 0.1  # rho
     end_rotation: float = 0.0  # R
     bending: float = 1.0
-    """K/K0: all of the above is in units of K; what is reported is multiplied back to units of K0."""
+    """K/K0: all of the above is in units of K; what is reported is multiplied back to units of
+    K0."""
 
     @property
     def meniscus_wall(self) -> float:

@@ -1,9 +1,11 @@
-"""Branch files (HDF5): one group a branch, everything needed to draw it, compare with it, restart from it.
+"""Branch files (HDF5): one group a branch, everything needed to draw it, compare with it, restart
+from it.
 
-Layout: attributes ``format``, ``parameters`` (one dataset of the dimensionless numbers), ``scene`` (its
-text); ``branches/NAME`` with ``table`` (one row a point), ``nodes`` and ``eta`` (the half rod's node
-states and element lengths of all points, one after another) and ``bifurcations``. Written to a
-temporary name and moved into place, so that a file is complete or absent.
+Layout: attributes ``format``, ``parameters`` (one dataset of the dimensionless numbers),
+``scene`` (its text); ``branches/NAME`` with ``table`` (one row a point), ``nodes`` and ``eta``
+(the half rod's node states and element lengths of all points, one after another) and
+``bifurcations``. Written to a temporary name and moved into place, so that a file is complete or
+absent.
 """
 
 from __future__ import annotations
@@ -123,7 +125,8 @@ def _write_branch(group: h5py.Group, branch: Branch) -> None:
 
 
 class StoredBranch:
-    """One branch of a file. ``table``: structured array (POINT). ``bifurcations``: (BIFURCATION)."""
+    """One branch of a file. ``table``: structured array (POINT). ``bifurcations``:
+    (BIFURCATION)."""
 
     def __init__(self, name: str, group: h5py.Group, parameters: Parameters) -> None:
         self.name = name
@@ -142,7 +145,8 @@ class StoredBranch:
         return len(self.table)
 
     def state(self, i: int) -> HalfRod:
-        """The half-rod state of point i; its stages are interpolated (settle it before reading t or E off it)."""
+        """The half-rod state of point i; its stages are interpolated (settle it before reading t
+        or E off it)."""
         i = range(len(self))[i]
         row = self.table[i]
         first, last = self._start[i], self._start[i + 1]
@@ -218,7 +222,8 @@ def _stage_guess(state: HalfRod) -> np.ndarray:
 
 
 class BranchFile:
-    """An open branch file: a mapping from names to ``StoredBranch``. Use it as a context or close it."""
+    """An open branch file: a mapping from names to ``StoredBranch``. Use it as a context or close
+    it."""
 
     def __init__(self, path: str | Path) -> None:
         self.path = Path(path)
@@ -282,8 +287,8 @@ class BranchFile:
 def open_branches(path: str | Path) -> BranchFile:
     """Open a branch file (``derod branch``) for reading.
 
-    ``file["3D"].table`` has the fields of POINT (units: D, K0/D^2, K0/D), ``.positions(i)`` (2k-1, 3) the centre
-    line, ``.arc_length(i)``, ``.drop_center(i)`` (3,), ``.bifurcations`` the special points.
-    Raises RecordError.
+    ``file["3D"].table`` has the fields of POINT (units: D, K0/D^2, K0/D), ``.positions(i)``
+    (2k-1, 3) the centre line, ``.arc_length(i)``, ``.drop_center(i)`` (3,), ``.bifurcations`` the
+    special points. Raises RecordError.
     """
     return BranchFile(path)

@@ -1,18 +1,20 @@
 """Second variation of the energy on a branch state: how many modes are unstable.
 
-Variations of the whole rod at fixed clamps: frames turn by phi(s), the centre line moves by rho with
-rho' = phi x d_3, the drop's centre by rho_C, the menisci by b along the rod. To second order twice the
-Lagrangian (fixed multipliers n, f_B) is
+Variations of the whole rod at fixed clamps: frames turn by phi(s), the centre line moves by rho
+with rho' = phi x d_3, the drop's centre by rho_C, the menisci by b along the rod. To second order
+twice the Lagrangian (fixed multipliers n, f_B) is
 
     int [ phi'.K phi' - phi'.(m x phi) + (n.d_3)|phi|^2 - (n.phi)(d_3.phi) ] ds
       + int_wet eta.(grad grad v) eta ds,      eta = rho - rho_C,
-      + 2 sum over menisci of f_B (|rho + b d_3 - rho_C|^2 + w.(b^2 d_3' + 2 b rho')) +- (b grad v.eta + b^2 grad v.d_3/2)
+      + 2 sum over menisci of f_B (|rho + b d_3 - rho_C|^2 + w.(b^2 d_3' + 2 b rho')) +- (b grad
+      v.eta + b^2 grad v.d_3/2)
 
-on the kernel of the constraints rho(0) = rho(l) = 0, phi = 0 at the clamps, w.(rho + b d_3 - rho_C) = 0.
-A flip-symmetric state splits it into flip-even and flip-odd variations of half the rod. phi is
-piecewise quadratic and rho its exact integral, so this is a Ritz method: it converges from above and
-needs no multiplier for inextensibility. Two flip-odd variations are neutral and left out: turning the
-coil about the clamp axis (phi = e_z - d_3) and sliding the drop along the rod (rho = e_z - d_3).
+on the kernel of the constraints rho(0) = rho(l) = 0, phi = 0 at the clamps, w.(rho + b d_3 -
+rho_C) = 0. A flip-symmetric state splits it into flip-even and flip-odd variations of half the
+rod. phi is piecewise quadratic and rho its exact integral, so this is a Ritz method: it converges
+from above and needs no multiplier for inextensibility. Two flip-odd variations are neutral and
+left out: turning the coil about the clamp axis (phi = e_z - d_3) and sliding the drop along the
+rod (rho = e_z - d_3).
 """
 
 from __future__ import annotations
@@ -66,7 +68,8 @@ def _rod_form(tangents, forces, moments, lengths, k3):  # type: ignore[no-untype
 
 
 class SecondVariation:
-    """The quadratic form of half a rod in the rotations (3 per node, 2 E + 1 nodes) and rho_C (3)."""
+    """The quadratic form of half a rod in the rotations (3 per node, 2 E + 1 nodes) and rho_C
+    (3)."""
 
     def __init__(self, state: HalfRod, resolution: float = RESOLUTION) -> None:
         state = adapted(state, resolution)
@@ -159,7 +162,9 @@ class SecondVariation:
             moment(state.scalars[0], state.scalars[1], y[:3], y[7:10], m)
             turn[3 * i : 3 * i + 3] = np.array([0.0, 0.0, 1.0]) - t
             slide[3 * i : 3 * i + 3] = (m @ t) * t - m
-        centre = state.nodes[-1, 1]  # r_C = (0, -w_y(l/2), 0): turning about the clamp axis moves it
+        centre = state.nodes[
+            -1, 1
+        ]  # r_C = (0, -w_y(l/2), 0): turning about the clamp axis moves it
         turn[self.centre] = np.array([centre, 0.0, 0.0])
         slide[self.centre] = np.array([0.0, 0.0, 1.0])
         return np.stack([turn, slide])
@@ -189,7 +194,8 @@ class SecondVariation:
 
 
 def unstable_modes(state: HalfRod, resolution: float = RESOLUTION) -> tuple[int, int]:
-    """Numbers of unstable flip-even and flip-odd modes of a settled state (whole rod, fixed clamps)."""
+    """Numbers of unstable flip-even and flip-odd modes of a settled state (whole rod, fixed
+    clamps)."""
     variation = SecondVariation(state, resolution)
     return _negative(variation.restricted(False)), _negative(variation.restricted(True))
 
