@@ -117,6 +117,15 @@ class Catalogue:
         return self.paths["Ax"]
 
     def _from_straight(self, name: str, mode: Mirror, mirror: Mirror, odd: Mirror | None) -> Path:
+        tracer, start, tension = self.buckled(mode, mirror)
+        stop = self._stop_in_plane() if odd is None else end_reason(self.delta_limit)
+        points, reason = collect(tracer, start, stop)
+        path = Path(name, tracer, odd, points, begins=f"straight rod, t = {tension:.6f}")
+        self._close(path, reason)
+        return path
+
+    def buckled(self, mode: Mirror, mirror: Mirror) -> tuple[Tracer, Point, float]:
+        """The first point of the path that leaves the straight rod, and the buckling tension."""
         control = self.control
         tension = buckling_tensions(self.parameters, mode)[0]
         held = col.NODE_0 + 1
@@ -131,12 +140,7 @@ class Catalogue:
             control.resolution,
         )
         tracer = self.tracer(mirror)
-        start = tracer.begin(settled, frozen(held))
-        stop = self._stop_in_plane() if odd is None else end_reason(self.delta_limit)
-        points, reason = collect(tracer, start, stop)
-        path = Path(name, tracer, odd, points, begins=f"straight rod, t = {tension:.6f}")
-        self._close(path, reason)
-        return path
+        return tracer, tracer.begin(settled, frozen(held)), tension
 
     def _close(self, path: Path, reason: object) -> None:
         """Finish a path: its end state, special points and reason."""
@@ -161,10 +165,7 @@ class Catalogue:
         """The path that leaves a planar one at its special point ``number``, up to the next
         plane."""
         special = origin.specials[number][1]
-        settled, outward = branch_off(special, self.control.tolerance, side)
-        tracer = self.tracer(FULL)
-        start = tracer.begin(settled, outward)
-        points, reason = collect(tracer, start, self._stop_in_plane())
+        tracer, points, reason = self.leave(origin, number, side)
         path = Path(name, tracer, None, points, begins=f"pitchfork of {origin.name}")
         self.paths[name] = path
         path.joints.append((True, origin.tracer, special, origin.name))
@@ -172,6 +173,14 @@ class Catalogue:
         self._close(path, reason)
         self._join(path, reason)
         return path
+
+    def leave(
+        self, origin: Path, number: int, side: float = 1.0
+    ) -> tuple[Tracer, list[Point], object]:
+        """The points of ``space_path``, and the plane crossed or the reason of its end."""
+        settled, outward = branch_off(origin.specials[number][1], self.control.tolerance, side)
+        tracer = self.tracer(FULL)
+        return tracer, *collect(tracer, tracer.begin(settled, outward), self._stop_in_plane())
 
     def _join(self, path: Path, reason: object) -> None:
         """If a space path ended in a plane, trace the planar path there and cut the space path at
