@@ -38,10 +38,11 @@ from derod.branches.mirror import (
     STRAIGHT_TWISTED,
     Mirror,
 )
-from derod.branches.newton import NotConverged, settle
+from derod.branches.newton import NotConverged, Settled, settle
 from derod.branches.observables import loops
 from derod.branches.parameters import Parameters
 from derod.branches.special import SpecialPoint, branch_off, crossed_plane, flattened
+from derod.branches.state import HalfRod
 from derod.branches.straight import NoBuckling, buckling_tensions, first_buckled
 
 AMPLITUDE = 0.02
@@ -51,6 +52,8 @@ PT_END_SHORTENING = 1.1 * math.pi
 """Where f_gamma is lowered on Pt."""
 PT_FACTORS = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0)
 """Multiples of f_gamma at which the second buckling mode is looked for."""
+JOINT_DISTANCE = 0.1
+"""A plane met is one already traced if (delta, t/f_gamma, sigma) are this near to its pitchfork."""
 TRIANGLES = 3
 """Most 'yet other paths' followed from Ax."""
 
@@ -193,26 +196,45 @@ class Catalogue:
         except NotConverged as error:
             path.ends = f"met a plane, but no planar state was found there: {error}"
             return
-        name = f"L{round(loops(flat.state))}" if even.name != S_EVEN.name else "S"
-        if name in self.paths:
-            name += "'"
-        planar = self.paths[name] = self._both_ways(name, even, odd, flat)
-        delta = flat.state.end_shortening
-        number, joint = min(
-            planar.pitchforks,
-            key=lambda item: abs(item[1].point.state.end_shortening - delta),
-            default=(None, None),
-        )
-        if joint is None or number is None:
-            path.ends = f"met {name}, where no pitchfork was found"
-            return
+        known = self._nearest_joint(even, flat.state, JOINT_DISTANCE)
+        if known is None:
+            name = f"L{round(loops(flat.state))}" if even.name != S_EVEN.name else "S"
+            while name in self.paths:
+                name += "'"
+            planar = self.paths[name] = self._both_ways(name, even, odd, flat)
+            known = self._nearest_joint(even, flat.state, np.inf)
+            if known is None:
+                path.ends = f"met {name}, where no pitchfork was found"
+                return
+        planar, number, joint = known
+        name = planar.name
         planar.partners[number] = path.name
         path.joints.append((False, planar.tracer, joint, name))
         path.ends = f"pitchfork of {name}"
         path.points.pop()
         path.specials = [s for s in path.specials if s[0] < len(path.points) - 1]
 
-    def _both_ways(self, name: str, even: Mirror, odd: Mirror, settled) -> Path:  # type: ignore[no-untyped-def]
+    def _nearest_joint(
+        self, even: Mirror, state: HalfRod, limit: float
+    ) -> tuple[Path, int, SpecialPoint] | None:
+        """The pitchfork of a planar path already traced that lies at a planar state, if any.
+
+        A plane turned by pi has the same numbers, so numbers are compared and not unknowns.
+        """
+        here = np.array([state.end_shortening, state.end_tension / state.scalars[5], state.sigma])
+        best, nearest = None, limit
+        for planar in self.paths.values():
+            if planar.tracer.mirror is not even:
+                continue
+            for number, special in planar.pitchforks:
+                there = special.point.state
+                numbers = [there.end_shortening, there.end_tension / there.scalars[5], there.sigma]
+                distance = float(np.abs(here - numbers).max())
+                if distance < nearest:
+                    best, nearest = (planar, number, special), distance
+        return best
+
+    def _both_ways(self, name: str, even: Mirror, odd: Mirror, settled: Settled) -> Path:
         """A planar path through a settled state, its points in the sense of growing delta there."""
         tracer = self.tracer(even)
         forward = frozen(col.DELTA)
