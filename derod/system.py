@@ -68,14 +68,14 @@ class System:
             float(scene.rod.length),
         )
         self.mesh = make_mesh(self.edges)
-        self.room = assembly.new_room(self.mesh, self.dimension)
+        self.room = assembly.new_room(self.mesh, self.physics.axis)
         linear = self.room.linear
         self.factor = new_factor(*linear.band.shape, linear.border.shape[1])
 
     def rest_lengths(self, state: State) -> np.ndarray:
         """Return the rest lengths l_j, (N,), D."""
         lay_grid(self.mesh, self.physics.length, state.b, self.room.kin)
-        return self.room.kin.rest.copy()
+        return self.room.kin.rest[1:-1].copy()
 
     def arc_length(self, state: State) -> np.ndarray:
         """Return the arc length of the nodes, (N+1,), D."""
@@ -109,7 +109,6 @@ class System:
         return Energies(
             *assembly.energies(
                 self.physics,
-                self.mesh,
                 state.q,
                 state.b,
                 state.holonomy,

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from derod.core import layout
-from derod.core.bending import add_bending_gradient, add_bending_hessian, bending_energy
+from derod.core.bending import add_bending_hessian, bending_energy, fill_bending_gradient
 from derod.core.jit import kernel
 from derod.core.kinematics import measure
 from derod.core.layout import X_C, Gradient, Hessian, Kinematics, Mesh
@@ -40,12 +40,10 @@ class Room(NamedTuple):
     kin: Kinematics
     grad: Gradient
     hess: Hessian
+    tension: np.ndarray  # (N+2,) by edge
     r: np.ndarray  # (N+1, d+1) residual by q
     rb: np.ndarray  # (d+5,) residual by b
     linear: Linear
-    a: np.ndarray  # (3,) scratch vectors
-    b: np.ndarray
-    c: np.ndarray
 
 
 def half_width(d: int) -> int:
@@ -65,29 +63,27 @@ def new_linear(edges: int, d: int) -> Linear:
     return Linear(np.zeros((rows, w + 1)), np.zeros((rows, m)), np.zeros((m, m)))
 
 
-def new_room(mesh: Mesh, d: int) -> Room:
-    """Return room for assembling a mesh in ``d`` dimensions."""
-    edges = mesh.edges
+def new_room(mesh: Mesh, axis: tuple[float, ...]) -> Room:
+    """Return room for assembling a mesh between clamps with tangent ``axis``."""
+    edges, d = mesh.edges, len(axis)
     return Room(
-        layout.new_kinematics(mesh, d),
+        layout.new_kinematics(mesh, axis),
         layout.new_gradient(edges, d),
         layout.new_hessian(edges, d),
+        np.zeros(edges + 2),
         np.zeros((edges + 1, d + 1)),
         np.zeros(d + 5),
         new_linear(edges, d),
-        np.zeros(3),
-        np.zeros(3),
-        np.zeros(3),
     )
 
 
 @kernel
-def energies(physics, mesh, q, b, psi, end_rotation, room):
+def energies(physics, q, b, psi, end_rotation, room):
     """Return E_bend, E_twist, E_wall, E_capillary of a state, K0/D; ``room.kin`` must be measured."""
     moment = twisting_moment(physics, end_rotation, psi)
     twist = 0.5 * moment * (end_rotation - psi)
     return (
-        bending_energy(physics, room.kin, room.a, room.b),
+        bending_energy(physics, room.kin),
         twist if len(physics.axis) == 3 else 0.0,
         wall_energy(physics, room.kin, q, b),
         capillary_energy(physics, b),
@@ -102,58 +98,59 @@ def gradient(physics, mesh, q, b, psi, end_rotation, room):
     part is the end tension t.
     """
     d = len(physics.axis)
-    kin, grad = room.kin, room.grad
-    n = kin.rest.size
+    kin, grad, tension = room.kin, room.grad, room.tension
+    n = q.shape[0] - 1
     sound = measure(physics, mesh, q, b, kin)
-    grad.edge[:] = 0.0
+    for e in range(1, n + 1):
+        tension[e] = q[e, d]
     grad.node[:] = 0.0
-    grad.rest[:] = 0.0
-    grad.constraint[:] = 0.0
     grad.border[:] = 0.0
-    add_bending_gradient(physics, kin, q, room.a, room.b, grad)
-    add_stretch_gradient(physics, kin, q, grad)
+    fill_bending_gradient(physics, kin, tension, grad)  # the first: it sets what others add to
+    add_stretch_gradient(physics, kin, tension, grad)
     add_wall_gradient(physics, kin, q, b, grad)
     add_menisci_gradient(physics, kin, q, b, grad)
     if d == 3:
-        psi = holonomy(physics, kin, psi, room.a, room.b)
-        moment = twisting_moment(physics, end_rotation, psi)
-        add_twist_gradient(physics, kin, moment, room.a, room.b, grad)
+        psi = holonomy(physics, kin, psi, grad)
+        add_twist_gradient(kin, twisting_moment(physics, end_rotation, psi), grad)
+    total = 0.0
     for i in range(n + 1):
         for k in range(d):
             f = grad.node[i, k]
-            if i > 0:
-                f += grad.edge[i - 1, k]
-            if i < n:
-                f -= grad.edge[i, k]
+            grad.border[X_C + k] -= f  # moving the drop is moving the nodes back
+            f += grad.edge[i, k] if i > 0 else 0.0
+            f -= grad.edge[i + 1, k] if i < n else 0.0
             room.r[i, k] = f
-        room.r[i, d] = grad.constraint[i - 1] if i > 0 else 0.0
-    room.rb[:] = grad.border
+            total += f
+        room.r[i, d] = grad.constraint[i] if i > 0 else 0.0
+        total += room.r[i, d]
     for s in range(2):
-        for j in range(n):
-            room.rb[s] += grad.rest[j] * kin.slope[s, j]
-    return psi, sound and np.isfinite(np.sum(room.r)) and np.isfinite(np.sum(room.rb))
+        for e in range(1, n + 1):
+            grad.border[s] += grad.rest[e] * kin.slope[s, e]
+    room.rb[:] = grad.border
+    return psi, sound and np.isfinite(total) and np.isfinite(np.sum(room.rb))
 
 
 @kernel
-def hessian(physics, mesh, q, b, psi, end_rotation, room):
+def hessian(physics, q, b, psi, end_rotation, room):
     """Fill ``room.linear`` at the state whose ``gradient`` was taken last."""
-    hess = room.hess
-    for block in (hess.edge, hess.vertex, hess.node, hess.constraint):
-        block[:] = 0.0
+    hess, kin = room.hess, room.kin
+    hess.edge[:] = 0.0
+    hess.vertex[:] = 0.0
+    hess.node[:] = 0.0
+    hess.constraint[:] = 0.0
     hess.edge_menisci[:] = 0.0
     hess.node_menisci[:] = 0.0
     hess.constraint_menisci[:] = 0.0
     hess.border[:] = 0.0
-    add_bending_hessian(physics, room.kin, q, room.a, room.b, hess)
-    add_stretch_hessian(physics, room.kin, q, hess)
-    add_wall_hessian(physics, room.kin, q, b, hess)
-    add_menisci_hessian(physics, room.kin, q, b, hess)
+    add_bending_hessian(physics, kin, room.tension, hess)
+    add_stretch_hessian(physics, kin, room.tension, hess)
+    add_wall_hessian(physics, kin, q, b, hess)
+    add_menisci_hessian(physics, kin, q, b, hess)
     for s in range(2):
-        for j in range(hess.edge.shape[0]):
-            hess.border[s, s] += room.grad.rest[j] * room.kin.curve[s, j]
+        for e in range(kin.rest.size):
+            hess.border[s, s] += room.grad.rest[e] * kin.curve[s, e]
     if len(physics.axis) == 3:
-        moment = twisting_moment(physics, end_rotation, psi)
-        add_twist_hessian(physics, room.kin, moment, room.a, room.b, room.c, hess)
+        add_twist_hessian(physics, kin, twisting_moment(physics, end_rotation, psi), hess)
     fill_band(physics, hess, room.linear.band)
     fill_border(physics, q, b, room)
 
@@ -162,7 +159,7 @@ def hessian(physics, mesh, q, b, psi, end_rotation, room):
 def fill_band(physics, hess, band):
     """Turn the edge form into the lower diagonals of K, unknown (d+1)(i-1)+k being q[i, k]."""
     d = len(physics.axis)
-    n = hess.edge.shape[0]
+    n = hess.node.shape[0] - 1
     band[:] = 0.0
     for i in range(1, n):  # free nodes
         for k in range(d):
@@ -170,30 +167,30 @@ def fill_band(physics, hess, band):
             for m in range(d):
                 if m >= k:
                     band[column, m - k] = (
-                        hess.edge[i - 1, m, k]
-                        + hess.edge[i, m, k]
+                        hess.edge[i, m, k]
+                        + hess.edge[i + 1, m, k]
                         - hess.vertex[i, m, k]
                         - hess.vertex[i, k, m]
                         + hess.node[i, m, k]
                     )
                 if i + 1 < n:
                     band[column, d + 1 + m - k] = (
-                        -hess.edge[i, m, k] + hess.vertex[i, k, m] + hess.vertex[i + 1, k, m]
+                        -hess.edge[i + 1, m, k] + hess.vertex[i, k, m] + hess.vertex[i + 1, k, m]
                     )
                 if i + 2 < n:
                     band[column, 2 * (d + 1) + m - k] = -hess.vertex[i + 1, k, m]
     for k in range(d):
         band[(d + 1) * (n - 1) + k, 0] = 1.0
-    for j in range(n):  # tension rows: unknown (d+1) j + d
-        row = (d + 1) * j + d
-        for node in range(max(1, j - 1), min(n - 1, j + 2) + 1):
+    for e in range(1, n + 1):  # tension rows
+        row = (d + 1) * (e - 1) + d
+        for node in range(max(1, e - 2), min(n - 1, e + 1) + 1):
+            slot = node - e + 2  # x_{e-2} ... x_{e+1}, by the edges e-1, e, e+1
             for k in range(d):
-                slot = node - j + 1  # x_{j-1} ... x_{j+2} by e_{j-1}, e_j, e_{j+1}
                 value = 0.0
                 if slot >= 1:
-                    value += hess.constraint[j, slot - 1, k]
+                    value += hess.constraint[e, slot - 1, k]
                 if slot <= 2:
-                    value -= hess.constraint[j, slot, k]
+                    value -= hess.constraint[e, slot, k]
                 column = (d + 1) * (node - 1) + k
                 band[min(row, column), abs(row - column)] = value
 
@@ -202,24 +199,22 @@ def fill_band(physics, hess, band):
 def fill_border(physics, q, b, room):
     """Fill the border columns and the corner."""
     d = len(physics.axis)
-    hess, grad, kin = room.hess, room.grad, room.kin
+    hess, kin = room.hess, room.kin
     border, corner = room.linear.border, room.linear.corner
-    n = hess.edge.shape[0]
+    n = q.shape[0] - 1
     border[:] = 0.0
     corner[:] = 0.0
     corner[: d + 5, : d + 5] = hess.border
-    for i in range(1, n):
-        for k in range(d):
-            row = (d + 1) * (i - 1) + k
-            for s in range(2):
-                border[row, s] = (
-                    hess.edge_menisci[s, i - 1, k]
-                    - hess.edge_menisci[s, i, k]
-                    + hess.node_menisci[s, i, k]
-                )
-    for j in range(n):
+    for i in range(1, n + 1):
         for s in range(2):
-            border[(d + 1) * j + d, s] = hess.constraint_menisci[s, j]
+            if i < n:
+                for k in range(d):
+                    border[(d + 1) * (i - 1) + k, s] = (
+                        hess.edge_menisci[s, i, k]
+                        - hess.edge_menisci[s, i + 1, k]
+                        + hess.node_menisci[s, i, k]
+                    )
+            border[(d + 1) * (i - 1) + d, s] = hess.constraint_menisci[s, i]
     for i in range(kin.node_a, kin.node_b + 1):  # moving the drop is moving the nodes back
         for k in range(d):
             row = (d + 1) * (i - 1) + k
@@ -234,21 +229,20 @@ def fill_border(physics, q, b, room):
         for k in range(d):
             border[(d + 1) * (i - 1) + k, X_C + d + side] = 2 * (q[i, k] - b[X_C + k])
     if d == 3:
-        fill_twist_and_turn(physics, kin, grad, q, b, border, corner)
+        fill_twist_and_turn(physics, kin, room.grad, q, b, border, corner)
 
 
 @kernel
 def fill_twist_and_turn(physics, kin, grad, q, b, border, corner):
     """Fill the last two border rows: the twisting moment and the turn about the clamp axis."""
-    n = kin.rest.size
     moment, turn = 8, 9
     corner[moment, moment] = -physics.length / physics.twisting
     square = 0.0
-    for i in range(1, n):
+    for i in range(1, q.shape[0] - 1):
         row = 4 * (i - 1)
         for k in range(3):
-            border[row + k, moment] = grad.holonomy[i - 1, k] - grad.holonomy[i, k]
-        dual = 0.5 * (kin.rest[i - 1] + kin.rest[i])
+            border[row + k, moment] = grad.holonomy[i, k] - grad.holonomy[i + 1, k]
+        dual = 0.5 * (kin.rest[i] + kin.rest[i + 1])
         border[row, turn] = -dual * q[i, 1]
         border[row + 1, turn] = dual * q[i, 0]
         square += dual * (q[i, 0] ** 2 + q[i, 1] ** 2)

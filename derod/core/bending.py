@@ -1,18 +1,18 @@
 r"""Bending, and what bending does to the length of a chord.
 
-Vertex i joins the edges i-1 and i of rest lengths p and q (0 beyond a clamp, whose tangent takes the
-missing edge's place). With the turning angle phi and the dual length m/2, m = p + q,
+Vertex i joins the edges i and i+1 of rest lengths p and r (0 for a clamp's tangent). With the turning
+angle phi and the dual length m/2, m = p + r,
 
     E_bend = sum_i phi_i^2 / m_i            (K0 = 1, curvature phi / (m/2) on the length m/2)
 
 An edge is the chord of its arc, shorter by kappa^2 l^3 / 24. Half of that is charged to each of its
-two vertices in the stretch constraint of edge j,
+two vertices in the stretch constraint of edge e,
 
-    g_j = (|e_j|^2 / l_j - l_j) / 2 + l_j^3 (kappa_j^2 + kappa_{j+1}^2) / 48
+    g_e = (|e|^2 / l - l) / 2 + l^3 (kappa_{e-1}^2 + kappa_e^2) / 48
 
 so that the Lagrangian holds sum_i C_i phi_i^2 with
 
-    C = 1/m + X / (12 m^2),   X = lambda_p p^3 + lambda_q q^3
+    C = w + x w^2 / 12,   w = 1/m,   x = lambda_p p^3 + lambda_r r^3
 """
 
 from __future__ import annotations
@@ -22,137 +22,107 @@ from derod.core.jit import kernel
 
 
 @kernel
-def vertex_turn(axis, kin, i, a, b):
-    """Copy the tangents that meet at vertex i into ``a`` and ``b``; return u = 1 - cos(phi)."""
-    n = kin.rest.size
+def vertex_turn(axis, tangent, i):
+    """Return u = 1 - cos(phi) at vertex i."""
     u = 0.0
     for k in range(len(axis)):
-        a[k] = kin.tangent[i - 1, k] if i > 0 else axis[k]
-        b[k] = kin.tangent[i, k] if i < n else axis[k]
-        u += (a[k] - b[k]) ** 2
+        u += (tangent[i, k] - tangent[i + 1, k]) ** 2
     return 0.5 * u
 
 
 @kernel
-def bending_energy(physics, kin, a, b):
+def bending_energy(physics, kin):
     """Return E_bend, K0/D."""
-    n = kin.rest.size
     total = 0.0
-    for i in range(n + 1):
-        phi2, _, _ = squared_angle(vertex_turn(physics.axis, kin, i, a, b))
-        m = (kin.rest[i - 1] if i > 0 else 0.0) + (kin.rest[i] if i < n else 0.0)
-        total += phi2 / m
+    for i in range(kin.rest.size - 1):
+        phi2, _, _ = squared_angle(vertex_turn(physics.axis, kin.tangent, i))
+        total += phi2 / (kin.rest[i] + kin.rest[i + 1])
     return total
 
 
 @kernel
-def add_bending_gradient(physics, kin, q, a, b, grad):
-    """Add the derivatives of sum C_i phi_i^2 by the edges, the tensions and the rest lengths."""
-    n = kin.rest.size
-    d = len(physics.axis)
-    for i in range(n + 1):
-        u = vertex_turn(physics.axis, kin, i, a, b)
+def fill_bending_gradient(physics, kin, tension, grad):
+    """Set the derivatives of sum C_i phi_i^2 by the edges, the tensions and the rest lengths."""
+    tangent = kin.tangent
+    grad.edge[0] = 0.0
+    grad.constraint[0] = 0.0
+    grad.rest[0] = 0.0
+    for i in range(kin.rest.size - 1):
+        u = vertex_turn(physics.axis, tangent, i)
         phi2, slope, _ = squared_angle(u)
-        left, right = i > 0, i < n
-        p = kin.rest[i - 1] if left else 0.0
-        r = kin.rest[i] if right else 0.0
-        tp = q[i, d] if left else 0.0
-        tr = q[i + 1, d] if right else 0.0
-        m = p + r
-        w = 1.0 / m
-        x = tp * p * p * p + tr * r * r * r
+        p, r = kin.rest[i], kin.rest[i + 1]
+        tp, tr = tension[i], tension[i + 1]
+        w = 1.0 / (p + r)
+        p2, r2 = p * p, r * r
+        x = tp * p2 * p + tr * r2 * r
         c = w + x * w * w / 12
         cosine = 1 - u
-        # du/de_{i-1} = -(b - cos a)/|e_{i-1}|,  du/de_i = -(a - cos b)/|e_i|
-        if left:
-            f = -c * slope / kin.size[i - 1]
-            for k in range(d):
-                grad.edge[i - 1, k] += f * (b[k] - cosine * a[k])
-            grad.constraint[i - 1] += p * p * p * w * w / 12 * phi2
-        if right:
-            f = -c * slope / kin.size[i]
-            for k in range(d):
-                grad.edge[i, k] += f * (a[k] - cosine * b[k])
-            grad.constraint[i] += r * r * r * w * w / 12 * phi2
-        if left:
-            grad.rest[i - 1] += phi2 * w * w * (-1 + tp * p * p / 4 - x * w / 6)
-        if right:
-            grad.rest[i] += phi2 * w * w * (-1 + tr * r * r / 4 - x * w / 6)
+        # du/de_i = -(b - cos a)/|e_i|,  du/de_{i+1} = -(a - cos b)/|e_{i+1}|
+        fp = -c * slope * kin.inverse[i]
+        fr = -c * slope * kin.inverse[i + 1]
+        for k in range(len(physics.axis)):
+            a, b = tangent[i, k], tangent[i + 1, k]
+            grad.edge[i, k] += fp * (b - cosine * a)
+            grad.edge[i + 1, k] = fr * (a - cosine * b)
+        share = phi2 * w * w
+        grad.constraint[i] += share * p2 * p / 12
+        grad.constraint[i + 1] = share * r2 * r / 12
+        grad.rest[i] += share * (-1 + tp * p2 / 4 - x * w / 6)
+        grad.rest[i + 1] = share * (-1 + tr * r2 / 4 - x * w / 6)
 
 
 @kernel
-def coefficient_slope(w, x, m_s, x_s):
-    """Return dC/ds for C = w + x w^2/12, w = 1/m."""
-    return w * w * (-m_s + x_s / 12 - x * m_s * w / 6)
-
-
-@kernel
-def add_bending_hessian(physics, kin, q, a, b, hess):
+def add_bending_hessian(physics, kin, tension, hess):
     """Add the second derivatives of sum C_i phi_i^2."""
-    n = kin.rest.size
     d = len(physics.axis)
-    for i in range(n + 1):
-        u = vertex_turn(physics.axis, kin, i, a, b)
+    tangent = kin.tangent
+    for i in range(kin.rest.size - 1):
+        u = vertex_turn(physics.axis, tangent, i)
         phi2, slope, curve = squared_angle(u)
-        left, right = i > 0, i < n
-        p = kin.rest[i - 1] if left else 0.0
-        r = kin.rest[i] if right else 0.0
-        tp = q[i, d] if left else 0.0
-        tr = q[i + 1, d] if right else 0.0
+        p, r = kin.rest[i], kin.rest[i + 1]
+        tp, tr = tension[i], tension[i + 1]
         w = 1.0 / (p + r)
         x = tp * p * p * p + tr * r * r * r
         c = w + x * w * w / 12
         cosine = 1 - u
-        ie = 1.0 / kin.size[i - 1] if left else 0.0
-        jf = 1.0 / kin.size[i] if right else 0.0
+        ip, ir = kin.inverse[i], kin.inverse[i + 1]
         cp = p * p * p * w * w / 12  # dC/dlambda_p
         cr = r * r * r * w * w / 12
         for k in range(d):
-            ue_k = -(b[k] - cosine * a[k]) * ie  # du/de_{i-1}
-            uf_k = -(a[k] - cosine * b[k]) * jf  # du/de_i
+            a_k, b_k = tangent[i, k], tangent[i + 1, k]
+            up_k = -(b_k - cosine * a_k) * ip  # du/de_i
+            ur_k = -(a_k - cosine * b_k) * ir  # du/de_{i+1}
             for m in range(d):
+                a_m, b_m = tangent[i, m], tangent[i + 1, m]
                 same = 1.0 if k == m else 0.0
-                ue_m = -(b[m] - cosine * a[m]) * ie
-                uf_m = -(a[m] - cosine * b[m]) * jf
-                if left:
-                    u_ee = ie * (cosine * ie * (same - a[k] * a[m]) - a[k] * ue_m - ue_k * a[m])
-                    hess.edge[i - 1, k, m] += c * (curve * ue_k * ue_m + slope * u_ee)
-                if right:
-                    u_ff = jf * (cosine * jf * (same - b[k] * b[m]) - b[k] * uf_m - uf_k * b[m])
-                    hess.edge[i, k, m] += c * (curve * uf_k * uf_m + slope * u_ff)
-                if left and right:
-                    u_ef = -ie * jf * (same - a[k] * a[m] - b[k] * b[m] + cosine * a[k] * b[m])
-                    hess.vertex[i, k, m] += c * (curve * ue_k * uf_m + slope * u_ef)
-            if left:
-                hess.constraint[i - 1, 1, k] += cp * slope * ue_k
-                hess.constraint[i - 1, 2, k] += cp * slope * uf_k
-            if right:
-                hess.constraint[i, 0, k] += cr * slope * ue_k
-                hess.constraint[i, 1, k] += cr * slope * uf_k
+                up_m = -(b_m - cosine * a_m) * ip
+                ur_m = -(a_m - cosine * b_m) * ir
+                u_pp = ip * (cosine * ip * (same - a_k * a_m) - a_k * up_m - up_k * a_m)
+                u_rr = ir * (cosine * ir * (same - b_k * b_m) - b_k * ur_m - ur_k * b_m)
+                u_pr = -ip * ir * (same - a_k * a_m - b_k * b_m + cosine * a_k * b_m)
+                hess.edge[i, k, m] += c * (curve * up_k * up_m + slope * u_pp)
+                hess.edge[i + 1, k, m] += c * (curve * ur_k * ur_m + slope * u_rr)
+                hess.vertex[i, k, m] += c * (curve * up_k * ur_m + slope * u_pr)
+            hess.constraint[i, 1, k] += cp * slope * up_k
+            hess.constraint[i, 2, k] += cp * slope * ur_k
+            hess.constraint[i + 1, 0, k] += cr * slope * up_k
+            hess.constraint[i + 1, 1, k] += cr * slope * ur_k
         for s in range(2):
-            p_s = kin.slope[s, i - 1] if left else 0.0
-            r_s = kin.slope[s, i] if right else 0.0
+            p_s, r_s = kin.slope[s, i], kin.slope[s, i + 1]
             if p_s == 0.0 and r_s == 0.0:
                 continue
             m_s = p_s + r_s
             x_s = 3 * (tp * p * p * p_s + tr * r * r * r_s)
-            c_s = coefficient_slope(w, x, m_s, x_s)
-            if left:
-                hess.constraint_menisci[s, i - 1] += phi2 * (
-                    p * p * w * w * (3 * p_s - 2 * p * m_s * w) / 12
-                )
-            if right:
-                hess.constraint_menisci[s, i] += phi2 * (
-                    r * r * w * w * (3 * r_s - 2 * r * m_s * w) / 12
-                )
+            c_s = w * w * (-m_s + x_s / 12 - x * m_s * w / 6)
+            share = phi2 * w * w / 12
+            hess.constraint_menisci[s, i] += share * p * p * (3 * p_s - 2 * p * m_s * w)
+            hess.constraint_menisci[s, i + 1] += share * r * r * (3 * r_s - 2 * r * m_s * w)
             for k in range(d):
-                if left:
-                    hess.edge_menisci[s, i - 1, k] -= c_s * slope * (b[k] - cosine * a[k]) * ie
-                if right:
-                    hess.edge_menisci[s, i, k] -= c_s * slope * (a[k] - cosine * b[k]) * jf
+                a_k, b_k = tangent[i, k], tangent[i + 1, k]
+                hess.edge_menisci[s, i, k] -= c_s * slope * (b_k - cosine * a_k) * ip
+                hess.edge_menisci[s, i + 1, k] -= c_s * slope * (a_k - cosine * b_k) * ir
             for v in range(2):
-                p_v = kin.slope[v, i - 1] if left else 0.0
-                r_v = kin.slope[v, i] if right else 0.0
+                p_v, r_v = kin.slope[v, i], kin.slope[v, i + 1]
                 m_v = p_v + r_v
                 x_v = 3 * (tp * p * p * p_v + tr * r * r * r_v)
                 x_sv = 6 * (tp * p * p_s * p_v + tr * r * r_s * r_v)

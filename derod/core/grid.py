@@ -1,6 +1,6 @@
 """Rest lengths as smooth functions of the menisci's places.
 
-Inside, edge j is a fixed fraction of s_B - s_A. In an outer region of length a the node k edges away
+Inside, an edge is a fixed fraction of s_B - s_A. In an outer region of length a the node k edges away
 from the meniscus lies at
 
     w (G^{k/n} - 1),   G = 1 + a/w
@@ -42,13 +42,13 @@ def outer_lengths(mesh, region, sign, nearest, step, rest, slope, curve):
 @kernel
 def lay_grid(mesh, length, b, kin):
     """Fill the rest lengths and their derivatives by s_A and s_B."""
-    outer_lengths(mesh, b[S_A], 1.0, kin.node_a - 1, -1, kin.rest, kin.slope[0], kin.curve[0])
+    outer_lengths(mesh, b[S_A], 1.0, kin.node_a, -1, kin.rest, kin.slope[0], kin.curve[0])
     outer_lengths(
-        mesh, length - b[S_B], -1.0, kin.node_b, 1, kin.rest, kin.slope[1], kin.curve[1]
+        mesh, length - b[S_B], -1.0, kin.node_b + 1, 1, kin.rest, kin.slope[1], kin.curve[1]
     )
     wetted = b[S_B] - b[S_A]
     for i in range(mesh.inside.size):
-        j = kin.node_a + i
+        j = kin.node_a + 1 + i
         kin.rest[j] = mesh.inside[i] * wetted
         kin.slope[0, j] = -mesh.inside[i]
         kin.slope[1, j] = mesh.inside[i]

@@ -13,17 +13,19 @@ def measure(physics, mesh, q, b, kin):
     """Fill ``kin`` for the state (q, b); return False where an edge has no length or is not finite."""
     d = len(physics.axis)
     lay_grid(mesh, physics.length, b, kin)
-    sound = True
-    for j in range(kin.rest.size):
+    least = 1.0  # NaN where anything is
+    for e in range(1, kin.rest.size - 1):
         square = 0.0
         for k in range(d):
-            e = q[j + 1, k] - q[j, k]
-            kin.tangent[j, k] = e
-            square += e * e
+            x = q[e, k] - q[e - 1, k]
+            kin.tangent[e, k] = x
+            square += x * x
         size = math.sqrt(square)
-        kin.size[j] = size
-        sound &= size > 0.0 and math.isfinite(size) and kin.rest[j] > 0.0
         inverse = 1.0 / size
+        kin.size[e] = size
+        kin.inverse[e] = inverse
         for k in range(d):
-            kin.tangent[j, k] *= inverse
-    return sound
+            kin.tangent[e, k] *= inverse
+        if not (size > 0.0 and kin.rest[e] > 0.0):
+            least = 0.0
+    return least > 0.0

@@ -2,14 +2,15 @@
 
 State
     ``q``, shape (N+1, d+1): row i is node i's position x_i (d numbers, D) followed by the tension
-    (K0/D^2) of the edge that ends there, lambda_{i-1}. Row 0 is the start clamp, its tension unused.
+    (K0/D^2) of the edge that ends there, lambda_i. Row 0 is the start clamp, with no tension.
     ``b``, shape (d+5,): s_A, s_B, x_C (d), f_A, f_B and the slide force eta.
     d = 3, or 2 where the scene is planar; the clamp axis is the last coordinate.
 
 Edge form
-    Terms that depend on edges e_j = x_{j+1} - x_j are differentiated by edges and turned into node
-    form once, in ``assembly``. Vertex i joins the edges i-1 and i; vertices 0 and N join an edge to
-    the clamp's tangent.
+    Terms that depend on edges are differentiated by edges and turned into node form once, in
+    ``assembly``. Edge e runs from node e-1 to node e and its tension is q[e, d], e = 1 ... N. The
+    clamps' tangents stand in for the edges 0 and N+1, of rest length 0; vertex i joins the edges i and
+    i+1. Arrays "by edge" have N+2 rows.
 """
 
 from __future__ import annotations
@@ -48,11 +49,12 @@ class Mesh(NamedTuple):
 class Kinematics(NamedTuple):
     """What every term reads, computed once a state."""
 
-    rest: np.ndarray  # (N,) rest lengths l_j, D
-    slope: np.ndarray  # (2, N) dl_j/ds_A, dl_j/ds_B
-    curve: np.ndarray  # (2, N) second derivatives; the mixed one is zero
-    size: np.ndarray  # (N,) |e_j|, D
-    tangent: np.ndarray  # (N, d) e_j / |e_j|
+    rest: np.ndarray  # (N+2,) rest lengths l, D
+    slope: np.ndarray  # (2, N+2) dl/ds_A, dl/ds_B
+    curve: np.ndarray  # (2, N+2) second derivatives; the mixed one is zero
+    size: np.ndarray  # (N+2,) |e|, D
+    inverse: np.ndarray  # (N+2,) 1/|e|
+    tangent: np.ndarray  # (N+2, d) e / |e|
     node_a: int  # the menisci's nodes
     node_b: int
 
@@ -60,36 +62,39 @@ class Kinematics(NamedTuple):
 class Gradient(NamedTuple):
     """First derivatives of the Lagrangian, in edge and node form."""
 
-    edge: np.ndarray  # (N, d) by e_j
-    node: np.ndarray  # (N+1, d) by x_i, what is not in ``edge``
-    rest: np.ndarray  # (N,) by l_j, which takes it to s_A and s_B
-    constraint: np.ndarray  # (N,) by lambda_j: the stretch constraint g_j
+    edge: np.ndarray  # (N+2, d) by e
+    node: np.ndarray  # (N+1, d) by x_i, what depends on x_i - x_C
+    rest: np.ndarray  # (N+2,) by l, which takes it to s_A and s_B
+    constraint: np.ndarray  # (N+2,) by lambda: the stretch constraint g
     border: np.ndarray  # (d+5,) by b
-    holonomy: np.ndarray  # (N, d) of psi by e_j
+    holonomy: np.ndarray  # (N+2, d) of psi by e
 
 
 class Hessian(NamedTuple):
     """Second derivatives of the Lagrangian, in edge and node form."""
 
-    edge: np.ndarray  # (N, d, d) by e_j e_j
-    vertex: np.ndarray  # (N+1, d, d) by e_{i-1} e_i
-    node: np.ndarray  # (N+1, d, d) by x_i x_i, what is not in ``edge``, ``vertex``
-    constraint: np.ndarray  # (N, 3, d) of g_j by e_{j-1}, e_j, e_{j+1}
-    edge_menisci: np.ndarray  # (2, N, d) by e_j and s_A, s_B
+    edge: np.ndarray  # (N+2, d, d) by e e
+    vertex: np.ndarray  # (N+1, d, d) by e_i e_{i+1}
+    node: np.ndarray  # (N+1, d, d) by x_i x_i, what depends on x_i - x_C
+    constraint: np.ndarray  # (N+2, 3, d) of g_e by e-1, e, e+1
+    edge_menisci: np.ndarray  # (2, N+2, d) by e and s_A, s_B
     node_menisci: np.ndarray  # (2, N+1, d) by x_i and s_A, s_B, what is not in ``edge_menisci``
-    constraint_menisci: np.ndarray  # (2, N) of g_j by s_A, s_B
+    constraint_menisci: np.ndarray  # (2, N+2) of g by s_A, s_B
     border: np.ndarray  # (d+5, d+5) by b b
 
 
-def new_kinematics(mesh: Mesh, d: int) -> Kinematics:
-    """Return room for the kinematics of a mesh in ``d`` dimensions."""
-    n = mesh.edges
+def new_kinematics(mesh: Mesh, axis: tuple[float, ...]) -> Kinematics:
+    """Return room for the kinematics of a mesh between clamps with tangent ``axis``."""
+    n = mesh.edges + 2
+    tangent = np.zeros((n, len(axis)))
+    tangent[0] = tangent[-1] = axis
     return Kinematics(
         np.zeros(n),
         np.zeros((2, n)),
         np.zeros((2, n)),
-        np.zeros(n),
-        np.zeros((n, d)),
+        np.ones(n),
+        np.ones(n),
+        tangent,
         mesh.outside,
         mesh.outside + mesh.inside.size,
     )
@@ -97,25 +102,27 @@ def new_kinematics(mesh: Mesh, d: int) -> Kinematics:
 
 def new_gradient(edges: int, d: int) -> Gradient:
     """Return room for a gradient."""
+    n = edges + 2
     return Gradient(
-        np.zeros((edges, d)),
+        np.zeros((n, d)),
         np.zeros((edges + 1, d)),
-        np.zeros(edges),
-        np.zeros(edges),
+        np.zeros(n),
+        np.zeros(n),
         np.zeros(d + 5),
-        np.zeros((edges, d)),
+        np.zeros((n, d)),
     )
 
 
 def new_hessian(edges: int, d: int) -> Hessian:
     """Return room for a Hessian."""
+    n = edges + 2
     return Hessian(
-        np.zeros((edges, d, d)),
+        np.zeros((n, d, d)),
         np.zeros((edges + 1, d, d)),
         np.zeros((edges + 1, d, d)),
-        np.zeros((edges, 3, d)),
-        np.zeros((2, edges, d)),
+        np.zeros((n, 3, d)),
+        np.zeros((2, n, d)),
         np.zeros((2, edges + 1, d)),
-        np.zeros((2, edges)),
+        np.zeros((2, n)),
         np.zeros((d + 5, d + 5)),
     )

@@ -33,9 +33,7 @@ def add_menisci_gradient(physics, kin, q, b, grad):
         i = kin.node_a if side == 0 else kin.node_b
         force = b[X_C + d + side]
         for k in range(d):
-            f = 2 * force * (q[i, k] - b[X_C + k])
-            grad.node[i, k] += f
-            grad.border[X_C + k] -= f
+            grad.node[i, k] += 2 * force * (q[i, k] - b[X_C + k])
         grad.border[X_C + d + side] += squared_distance(physics, q, b, i) - 0.25
     grad.border[X_C + d + 2] += b[S_A] + b[S_B] - physics.length
 

@@ -35,9 +35,9 @@ CORRECTIONS = 3  # of a trial's lengths, before its merit condemns it
 @kernel
 def add_shift(kin, linear, d, shift):
     """Add ``shift`` times the dual lengths to the nodes' diagonal, and to those of s_A, s_B, x_C."""
-    n = kin.rest.size
+    n = kin.rest.size - 2
     for i in range(1, n):
-        dual = 0.5 * (kin.rest[i - 1] + kin.rest[i])
+        dual = 0.5 * (kin.rest[i] + kin.rest[i + 1])
         for k in range(d):
             linear.band[(d + 1) * (i - 1) + k, 0] += shift * dual
     for k in range(X_C + d):
@@ -58,13 +58,13 @@ def unstable_modes(linear, factor, d):
 def longest_step(physics, kin, q, b, dq, db):
     """Return the fraction of the step (dq, db) that stays inside the limits, at most 1."""
     d = len(physics.axis)
-    n = kin.rest.size
+    n = kin.rest.size - 2
     fraction = 1.0
-    for j in range(n):
+    for e in range(1, n + 1):
         square = 0.0
         for k in range(d):
-            square += (dq[j + 1, k] - dq[j, k]) ** 2
-        fraction = min(fraction, MOST_ROTATION * kin.rest[j] / (np.sqrt(square) + 1e-300))
+            square += (dq[e, k] - dq[e - 1, k]) ** 2
+        fraction = min(fraction, MOST_ROTATION * kin.rest[e] / (np.sqrt(square) + 1e-300))
     for i in range(kin.node_a, kin.node_b + 1):
         r2 = 0.0
         outward = 0.0
@@ -89,10 +89,10 @@ def longest_step(physics, kin, q, b, dq, db):
 
 
 @kernel
-def merit(physics, mesh, q, b, psi, end_rotation, penalty, room):
+def merit(physics, q, b, psi, end_rotation, penalty, room):
     """Return E_tot plus ``penalty`` times the violated constraints (exact for a large penalty)."""
     d = len(physics.axis)
-    e = energies(physics, mesh, q, b, psi, end_rotation, room)
+    e = energies(physics, q, b, psi, end_rotation, room)
     violation = 0.0
     for i in range(1, q.shape[0]):
         violation += abs(room.r[i, d])
@@ -150,13 +150,13 @@ def newton_step(
     Returns (accepted, shift to go on with, psi, excess, force residual).
     """
     d = len(physics.axis)
-    n = room.kin.rest.size
+    n = room.kin.rest.size - 2
     old, force = excess(physics, room.r, room.rb, room.kin, tolerance)
     psi_old = psi
     x = factor.rhs
     y = factor.rhs_border
     for _ in range(TRIALS):
-        hessian(physics, mesh, q, b, psi_old, end_rotation, room)
+        hessian(physics, q, b, psi_old, end_rotation, room)
         add_shift(room.kin, room.linear, d, shift)
         modes = unstable_modes(room.linear, factor, d)
         while (modes < 0 or (modes > 0 and (descend or shift > 0))) and shift < LARGEST_SHIFT:
@@ -180,7 +180,7 @@ def newton_step(
         db[:] = y[: d + 5]
         fraction = longest_step(physics, room.kin, q, b, dq, db)
         penalty = 1 + 1.5 * largest_multiplier(q, b, dq, db, d)
-        before = merit(physics, mesh, q, b, psi_old, end_rotation, penalty, room)
+        before = merit(physics, q, b, psi_old, end_rotation, penalty, room)
         for i in range(n + 1):
             for k in range(d + 1):
                 tq[i, k] = q[i, k] + fraction * dq[i, k]
@@ -193,7 +193,7 @@ def newton_step(
             if not sound:
                 break
             new, new_force = excess(physics, room.r, room.rb, room.kin, tolerance)
-            after = merit(physics, mesh, tq, tb, psi, end_rotation, penalty, room)
+            after = merit(physics, tq, tb, psi, end_rotation, penalty, room)
             slack = ENERGY_ROUNDING * physics.capillary_force * physics.length
             if new < 0.9 * old or after < before or (new < old and after < before + slack):
                 q[:] = tq
@@ -218,19 +218,19 @@ def clamp_column(physics, room, x, y):
     """Fill (x, y) with minus the residual's change as the end clamp moves inward (ddelta = 1)."""
     d = len(physics.axis)
     hess = room.hess
-    n = hess.edge.shape[0]
+    n = hess.node.shape[0] - 1
     z = d - 1  # the clamp moves along the axis: dx_N = -e_z, so minus the change is the column itself
     x[:] = 0.0
     y[:] = 0.0
     for k in range(d):
-        x[(d + 1) * (n - 2) + k] = -hess.edge[n - 1, k, z] + hess.vertex[n - 1, k, z]
+        x[(d + 1) * (n - 2) + k] = -hess.edge[n, k, z] + hess.vertex[n - 1, k, z]
         x[(d + 1) * (n - 3) + k] = -hess.vertex[n - 1, k, z]
-    x[(d + 1) * (n - 1) + d] = hess.constraint[n - 1, 1, z]
-    x[(d + 1) * (n - 2) + d] = hess.constraint[n - 2, 2, z]
+    x[(d + 1) * (n - 1) + d] = hess.constraint[n, 1, z]
+    x[(d + 1) * (n - 2) + d] = hess.constraint[n - 1, 2, z]
     for s in range(2):
-        y[s] = hess.edge_menisci[s, n - 1, z]
+        y[s] = hess.edge_menisci[s, n, z]
     if d == 3:
-        y[8] = room.grad.holonomy[n - 1, z]
+        y[8] = room.grad.holonomy[n, z]
 
 
 @kernel
@@ -240,9 +240,9 @@ def analyse(physics, mesh, end_rotation, psi, room, factor, q, b, dq, db):
     Returns the number of negative eigenvalues of the energy's Hessian on the constraints.
     """
     d = len(physics.axis)
-    n = room.kin.rest.size
+    n = room.kin.rest.size - 2
     gradient(physics, mesh, q, b, psi, end_rotation, room)
-    hessian(physics, mesh, q, b, psi, end_rotation, room)
+    hessian(physics, q, b, psi, end_rotation, room)
     count = unstable_modes(room.linear, factor, d)
     clamp_column(physics, room, factor.rhs, factor.rhs_border)
     solve_refined(room.linear, factor)
@@ -263,20 +263,20 @@ def lowest_mode(physics, mesh, end_rotation, psi, room, factor, q, b, dq, db, sw
     are returned with largest component 1, multipliers zero. Returns the eigenvalue, K0/D^4.
     """
     d = len(physics.axis)
-    n = room.kin.rest.size
+    n = room.kin.rest.size - 2
     gradient(physics, mesh, q, b, psi, end_rotation, room)
     low, high = 0.0, FIRST_SHIFT  # the lowest eigenvalue lies in (-high, -low)
-    while shifted_count(physics, mesh, end_rotation, psi, room, factor, q, b, high) > 0:
+    while shifted_count(physics, end_rotation, psi, room, factor, q, b, high) > 0:
         low, high = high, 4 * high
         if high > LARGEST_SHIFT:
             return np.nan
     for _ in range(8):
         middle = 0.5 * (low + high)
-        if shifted_count(physics, mesh, end_rotation, psi, room, factor, q, b, middle) > 0:
+        if shifted_count(physics, end_rotation, psi, room, factor, q, b, middle) > 0:
             low = middle
         else:
             high = middle
-    shifted_count(physics, mesh, end_rotation, psi, room, factor, q, b, high)
+    shifted_count(physics, end_rotation, psi, room, factor, q, b, high)
     x, y = factor.rhs, factor.rhs_border
     value = 0.0
     for _ in range(sweeps):
@@ -284,7 +284,7 @@ def lowest_mode(physics, mesh, end_rotation, psi, room, factor, q, b, dq, db, sw
         y[:] = 0.0
         before = 0.0
         for i in range(1, n):
-            dual = 0.5 * (room.kin.rest[i - 1] + room.kin.rest[i])
+            dual = 0.5 * (room.kin.rest[i] + room.kin.rest[i + 1])
             for k in range(d):
                 x[(d + 1) * (i - 1) + k] = dual * dq[i, k]
                 before += dual * dq[i, k] ** 2
@@ -295,7 +295,7 @@ def lowest_mode(physics, mesh, end_rotation, psi, room, factor, q, b, dq, db, sw
         product = 0.0
         largest = 0.0
         for i in range(1, n):
-            dual = 0.5 * (room.kin.rest[i - 1] + room.kin.rest[i])
+            dual = 0.5 * (room.kin.rest[i] + room.kin.rest[i + 1])
             for k in range(d):
                 new = x[(d + 1) * (i - 1) + k]
                 product += dual * dq[i, k] * new
@@ -313,8 +313,8 @@ def lowest_mode(physics, mesh, end_rotation, psi, room, factor, q, b, dq, db, sw
 
 
 @kernel
-def shifted_count(physics, mesh, end_rotation, psi, room, factor, q, b, shift):
+def shifted_count(physics, end_rotation, psi, room, factor, q, b, shift):
     """Return the unstable modes left with ``shift``; the gradient in ``room`` must be current."""
-    hessian(physics, mesh, q, b, psi, end_rotation, room)
+    hessian(physics, q, b, psi, end_rotation, room)
     add_shift(room.kin, room.linear, len(physics.axis), shift)
     return unstable_modes(room.linear, factor, len(physics.axis))

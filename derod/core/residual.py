@@ -23,17 +23,17 @@ def excess(physics, r, rb, kin, tolerance):
     converged. The ends' rows are reactions and are left out.
     """
     d = len(physics.axis)
-    n = kin.rest.size
+    n = r.shape[0] - 1
     worst = 0.0
     force = 0.0
-    shortest = kin.rest[0]
+    shortest = kin.rest[1]
     for i in range(1, n + 1):
-        shortest = min(shortest, kin.rest[i - 1])
-        length = tolerance * kin.rest[i - 1] + 8 * EPS * physics.length
+        shortest = min(shortest, kin.rest[i])
+        length = tolerance * kin.rest[i] + 8 * EPS * physics.length
         worst = max(worst, abs(r[i, d]) / length)
         if i == n:
             continue
-        h = min(kin.rest[i - 1], kin.rest[i])
+        h = min(kin.rest[i], kin.rest[i + 1])
         allowed = tolerance + ROUNDING * EPS * physics.length / (h * h * h)
         for k in range(d):
             force = max(force, abs(r[i, k]))

@@ -1,6 +1,6 @@
 """Inextensibility: one multiplier an edge, which is the tension (equa:inext-constr).
 
-    lambda_j g_j,   g_j = (|e_j|^2 / l_j - l_j) / 2 + (the arc's share, see ``bending``)
+    lambda_e g_e,   g_e = (|e|^2 / l - l) / 2 + (the arc's share, see ``bending``)
 """
 
 from __future__ import annotations
@@ -9,35 +9,32 @@ from derod.core.jit import kernel
 
 
 @kernel
-def add_stretch_gradient(physics, kin, q, grad):
-    """Add lambda_j e_j / l_j by the edges, g_j by the tensions, and by the rest lengths."""
-    d = len(physics.axis)
-    for j in range(kin.rest.size):
-        ratio = kin.size[j] / kin.rest[j]
-        tension = q[j + 1, d]
-        for k in range(d):
-            grad.edge[j, k] += tension * ratio * kin.tangent[j, k]
-        grad.constraint[j] += 0.5 * kin.rest[j] * (ratio - 1) * (ratio + 1)
-        grad.rest[j] -= 0.5 * tension * (ratio * ratio + 1)
+def add_stretch_gradient(physics, kin, tension, grad):
+    """Add lambda e / l by the edges, g by the tensions, and by the rest lengths."""
+    for e in range(1, kin.rest.size - 1):
+        ratio = kin.size[e] / kin.rest[e]
+        for k in range(len(physics.axis)):
+            grad.edge[e, k] += tension[e] * ratio * kin.tangent[e, k]
+        grad.constraint[e] += 0.5 * kin.rest[e] * (ratio - 1) * (ratio + 1)
+        grad.rest[e] -= 0.5 * tension[e] * (ratio * ratio + 1)
 
 
 @kernel
-def add_stretch_hessian(physics, kin, q, hess):
-    """Add the second derivatives of lambda_j g_j."""
+def add_stretch_hessian(physics, kin, tension, hess):
+    """Add the second derivatives of lambda_e g_e."""
     d = len(physics.axis)
-    for j in range(kin.rest.size):
-        ratio = kin.size[j] / kin.rest[j]
-        tension = q[j + 1, d]
-        stiffness = tension / kin.rest[j]
+    for e in range(1, kin.rest.size - 1):
+        ratio = kin.size[e] / kin.rest[e]
+        stiffness = tension[e] / kin.rest[e]
         for k in range(d):
-            hess.edge[j, k, k] += stiffness
-            hess.constraint[j, 1, k] += ratio * kin.tangent[j, k]
+            hess.edge[e, k, k] += stiffness
+            hess.constraint[e, 1, k] += ratio * kin.tangent[e, k]
         for s in range(2):
-            l_s = kin.slope[s, j]
+            l_s = kin.slope[s, e]
             if l_s == 0.0:
                 continue
-            hess.constraint_menisci[s, j] -= 0.5 * (ratio * ratio + 1) * l_s
+            hess.constraint_menisci[s, e] -= 0.5 * (ratio * ratio + 1) * l_s
             for k in range(d):
-                hess.edge_menisci[s, j, k] -= stiffness * ratio * kin.tangent[j, k] * l_s
+                hess.edge_menisci[s, e, k] -= stiffness * ratio * kin.tangent[e, k] * l_s
             for v in range(2):
-                hess.border[s, v] += stiffness * ratio * ratio * l_s * kin.slope[v, j]
+                hess.border[s, v] += stiffness * ratio * ratio * l_s * kin.slope[v, e]

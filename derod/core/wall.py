@@ -40,9 +40,9 @@ def wetted_weight(kin, i):
     """Return the arc length that node i stands for inside the drop."""
     weight = 0.0
     if i > kin.node_a:
-        weight += 0.5 * kin.rest[i - 1]
-    if i < kin.node_b:
         weight += 0.5 * kin.rest[i]
+    if i < kin.node_b:
+        weight += 0.5 * kin.rest[i + 1]
     return weight
 
 
@@ -51,9 +51,9 @@ def wetted_weight_slope(kin, i, s):
     """Return the derivative of ``wetted_weight`` by s_A (s = 0) or s_B (s = 1)."""
     slope = 0.0
     if i > kin.node_a:
-        slope += 0.5 * kin.slope[s, i - 1]
-    if i < kin.node_b:
         slope += 0.5 * kin.slope[s, i]
+    if i < kin.node_b:
+        slope += 0.5 * kin.slope[s, i + 1]
     return slope
 
 
@@ -87,19 +87,20 @@ def wall_energy(physics, kin, q, b):
 
 @kernel
 def add_wall_gradient(physics, kin, q, b, grad):
-    """Add the wall's push on the nodes and on the drop, and its energy by the rest lengths."""
-    d = len(physics.axis)
+    """Add the wall's push on the nodes, and its energy by the rest lengths."""
+    half = 0.0  # of the rest length on the left, where it is wetted
     for i in range(kin.node_a, kin.node_b + 1):
         v, v_w, _ = wall(physics, squared_distance(physics, q, b, i))
-        push = 2 * wetted_weight(kin, i) * v_w
-        for k in range(d):
-            f = push * (q[i, k] - b[X_C + k])
-            grad.node[i, k] += f
-            grad.border[X_C + k] -= f
+        push = 2 * half * v_w
         if i > kin.node_a:
-            grad.rest[i - 1] += 0.5 * v
-        if i < kin.node_b:
             grad.rest[i] += 0.5 * v
+        half = 0.0
+        if i < kin.node_b:
+            grad.rest[i + 1] += 0.5 * v
+            half = 0.5 * kin.rest[i + 1]
+        push += 2 * half * v_w
+        for k in range(len(physics.axis)):
+            grad.node[i, k] += push * (q[i, k] - b[X_C + k])
 
 
 @kernel

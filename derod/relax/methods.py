@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 
+from derod.relax.explicit import Explicit
 from derod.relax.implicit import Implicit
 from derod.relax.loop import Relaxer
 
 METHODS: dict[str, Callable[[], Relaxer]] = {
     "implicit": Implicit,
+    "fire": partial(Explicit, kinetic=False),
+    "kinetic": partial(Explicit, kinetic=True),
 }
 
 
