@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 import h5py
 import numpy as np
 
-from derod.branches.fields import evaluate_fields, interpolate
+from derod.branches.element import moment, quaternion_rate, tangent
 from derod.branches.gauss import NODES, STAGES
 from derod.branches.parameters import Parameters
 from derod.branches.state import HalfRod
@@ -166,13 +166,19 @@ class StoredBranch:
     def half_rod(self, i: int, subdivisions: int = 3) -> tuple[np.ndarray, np.ndarray]:
         """Arc length (k,) from the middle and places w = r - r_C (k, 3) of half a rod, D."""
         state = self.state(i)
-        fields_ = evaluate_fields(state)
-        at = np.tile(np.arange(subdivisions) / subdivisions, state.eta.size)
-        element = np.repeat(np.arange(state.eta.size), subdivisions)
-        places = interpolate(state, fields_, element, at)[:, :3]
+        left = np.arange(state.eta.size) + (np.arange(state.eta.size) >= state.inner)
+        places = state.nodes[:, :3]
+        slopes, bends = _directions(state)
+        x = (np.arange(subdivisions) / subdivisions)[None, :, None]
+        h = state.lengths[:, None, None]
+        value, rate, curvature = places[:, None], slopes[:, None], bends[:, None]
+        a, b, c, d, e, f = _quintic(x)
+        curve = a * value[left] + h * b * rate[left] + h * h * c * curvature[left]
+        right = left + 1
+        curve += d * value[right] + h * e * rate[right] + h * h * f * curvature[right]
         nodes = np.delete(state.node_arc_length, state.inner + 1)
-        s = nodes[element] + state.lengths[element] * at
-        return np.append(s, nodes[-1]), np.vstack([places, state.nodes[-1, :3]])
+        s = nodes[:-1, None] + state.lengths[:, None] * x[0, :, 0]
+        return np.append(s, nodes[-1]), np.vstack([curve.reshape(-1, 3), places[-1]])
 
     def arc_length(self, i: int) -> np.ndarray:
         """Arc length (2k-1,) of ``positions(i)`` from the first clamp, D."""
@@ -200,10 +206,28 @@ class StoredBranch:
         )
 
 
+def _quintic(x: np.ndarray) -> tuple[np.ndarray, ...]:
+    """Hermite weights at x in [0, 1] of value, slope, curvature at 0, then at 1."""
+    y = 1.0 - x
+    value = y**3 * (1.0 + 3.0 * x + 6.0 * x * x)
+    slope = x * y**3 * (1.0 + 3.0 * x)
+    bend = 0.5 * x * x * y**3
+    mirrored = x**3 * (1.0 + 3.0 * y + 6.0 * y * y)
+    return value, slope, bend, mirrored, -y * x**3 * (1.0 + 3.0 * y), 0.5 * y * y * x**3
+
+
+def _directions(state: HalfRod) -> tuple[np.ndarray, np.ndarray]:
+    """Tangents d_3 and their derivatives m x d_3 at the nodes, each (E+2, 3)."""
+    slopes, bends, m = np.empty((len(state.nodes), 3)), np.empty((len(state.nodes), 3)), np.empty(3)
+    for y, slope, bend in zip(state.nodes, slopes, bends, strict=True):
+        tangent(y[3:7], slope)
+        moment(state.scalars[0], state.scalars[1], y[0:3], y[7:10], m)
+        bend[:] = np.cross(m, slope)
+    return slopes, bends
+
+
 def _stage_guess(state: HalfRod) -> np.ndarray:
     """Stage quaternions by cubic Hermite interpolation of the node quaternions."""
-    from derod.branches.element import moment, quaternion_rate
-
     prm = state.parameters
     twist = (1.0 - prm.twisting) * state.scalars[2]
     rates = np.empty((len(state.nodes), 4))
