@@ -10,7 +10,8 @@ from derod.branches import closure as col
 from derod.branches.fields import evaluate_fields
 from derod.branches.mesh import RESOLUTION, adapted, drifted
 from derod.branches.mirror import Mirror
-from derod.branches.newton import NotConverged, Settled, settle
+from derod.branches.newton import Settled, settle
+from derod.branches.outcome import NotConverged
 from derod.branches.state import HalfRod, Increment
 
 

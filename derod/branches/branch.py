@@ -9,8 +9,8 @@ from typing import TypeVar
 from derod.branches.arc import Point, Tracer
 from derod.branches.error import refined
 from derod.branches.mirror import Mirror
-from derod.branches.newton import NotConverged
 from derod.branches.observables import observables
+from derod.branches.outcome import NotConverged
 from derod.branches.special import (
     SpecialPoint,
     SpuriousPoint,

@@ -38,8 +38,9 @@ from derod.branches.mirror import (
     STRAIGHT_TWISTED,
     Mirror,
 )
-from derod.branches.newton import NotConverged, Settled, settle
+from derod.branches.newton import Settled, settle
 from derod.branches.observables import loops
+from derod.branches.outcome import NotConverged
 from derod.branches.parameters import Parameters
 from derod.branches.special import SpecialPoint, branch_off, crossed_plane, flattened
 from derod.branches.state import HalfRod

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from derod.branches.landing import Landing, center_line, estimate, land, sheets
-from derod.branches.newton import NotConverged
+from derod.branches.outcome import NotConverged
 from derod.branches.parameters import Parameters
 from derod.branches.record import BranchFile, open_branches
 from derod.errors import DerodError, SceneError

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable
 from derod.branches.arc import Control
 from derod.branches.branch import Branch
 from derod.branches.catalogue import Catalogue, Path, PathNotFound
-from derod.branches.newton import NotConverged
+from derod.branches.outcome import NotConverged
 from derod.branches.parameters import Parameters
 from derod.branches.straight import NoBuckling
 

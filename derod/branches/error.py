@@ -7,8 +7,9 @@ import numpy as np
 from derod.branches.arc import Point, Tracer, frozen
 from derod.branches.linear import Reduced, linearise
 from derod.branches.mesh import adapted, halved
-from derod.branches.newton import NotConverged, settle
+from derod.branches.newton import settle
 from derod.branches.observables import observables
+from derod.branches.outcome import NotConverged
 from derod.branches.state import HalfRod
 
 ONE_STEP = 1e-5

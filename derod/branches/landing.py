@@ -10,8 +10,9 @@ from derod.branches import closure as col
 from derod.branches.arc import frozen
 from derod.branches.fields import evaluate_fields, interpolate
 from derod.branches.mirror import FULL, PLANES, Mirror
-from derod.branches.newton import NotConverged, Settled, settle
+from derod.branches.newton import Settled, settle
 from derod.branches.observables import observables
+from derod.branches.outcome import NotConverged
 from derod.branches.record import SCALED, StoredBranch
 from derod.branches.state import HalfRod
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from derod.branches.fields import Fields, evaluate_fields, interpolate
 from derod.branches.gauss import NODES, STAGES
+from derod.branches.outcome import NotConverged
 from derod.branches.state import HalfRod
 
 RESOLUTION = 1.35
@@ -23,12 +24,14 @@ DRIFT = 1.35
 """A mesh is replaced when an element holds this much more than the mean of the density's
 integral."""
 LEAST_ELEMENTS = 8
+MOST_ELEMENTS = 4000
+"""On each of the two intervals; only a state outside its wall layer's reach asks for more."""
 
 
 def density(state: HalfRod, fields: Fields) -> np.ndarray:
     """Inverse natural length at the Gauss points (E, m): turning |m|, tension |n|^(1/2), wall
     stiffness (d^2v/dr^2)^(1/4), the wall's cone 1/r and its pole; outside the drop it decays with
-    the boundary layer."""
+    the boundary layer. Raises NotConverged for a state outside the wall."""
     prm = state.parameters
     turning = np.linalg.norm(fields.moments, axis=2)
     tension = np.sqrt(np.linalg.norm(fields.forces, axis=2))
@@ -36,6 +39,8 @@ def density(state: HalfRod, fields: Fields) -> np.ndarray:
     out = 1.0 + turning + tension
     wet = slice(None, state.inner)
     gap = 1.0 + prm.wall_softness - 2.0 * radius[wet]
+    if not gap.min() > 0.0:
+        raise NotConverged("a Gauss point lies outside the wall")
     crossing = np.abs(np.einsum("eki,eki->ek", fields.places, fields.tangents)[wet]) / radius[wet]
     kink = 1.0 / (radius[wet] + 1e-3) + POLE * crossing / gap
     out[wet] += (8.0 * prm.wall_strength / gap**3) ** 0.25
@@ -97,10 +102,13 @@ def drifted(state: HalfRod, resolution: float = RESOLUTION) -> bool:
 
 def adapted(state: HalfRod, resolution: float = RESOLUTION) -> HalfRod:
     """The state on a mesh that equidistributes the density, ``resolution`` elements per unit of
-    it."""
+    it. Raises NotConverged where the density asks for more than MOST_ELEMENTS."""
     etas = []
     for knots, area, _, length in _halves(state):
-        count = max(LEAST_ELEMENTS, int(np.ceil(area[-1] * resolution)))
+        wanted = area[-1] * resolution
+        if not wanted <= MOST_ELEMENTS:
+            raise NotConverged(f"the wall layer asks for {wanted:.0f} elements")
+        count = max(LEAST_ELEMENTS, int(np.ceil(wanted)))
         ends = np.interp(np.linspace(0.0, area[-1], count + 1), area, knots) / length
         ends[0], ends[-1] = 0.0, 1.0
         etas.append(np.diff(ends))

@@ -12,7 +12,8 @@ from derod.branches import closure as col
 from derod.branches.arc import Point, Tracer, frozen
 from derod.branches.linear import Reduced
 from derod.branches.mirror import FULL, PLANES, Mirror
-from derod.branches.newton import NotConverged, Settled, settle
+from derod.branches.newton import Settled, settle
+from derod.branches.outcome import NotConverged
 from derod.branches.state import HalfRod, Increment
 from derod.branches.straight import null_increment
 

@@ -1,5 +1,7 @@
 """Paths and special points of the paper's rod (v0 = 2e-4)."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -12,8 +14,9 @@ from derod.branches.error import halving_error
 from derod.branches.linear import Reduced, linearise
 from derod.branches.mesh import adapted, transferred
 from derod.branches.mirror import FULL, LOOP_EVEN, LOOP_ODD
-from derod.branches.newton import NotConverged, settle
+from derod.branches.newton import settle
 from derod.branches.observables import loops, observables
+from derod.branches.outcome import NotConverged
 from derod.branches.parameters import Parameters
 from derod.branches.special import branch_off, odd_part
 
@@ -172,6 +175,16 @@ def test_the_error_estimate_is_honest(branches):
     )
     assert estimate > 1e-9
     assert 0.3 * true < estimate < 30.0 * true
+
+
+def test_a_mesh_without_end_is_refused(branches):
+    """A node a hair inside the wall asks for elements without number: an outcome, not a flood."""
+    state = branches["3D"].points[20].state
+    nodes = state.nodes.copy()
+    inside = nodes[1 : state.inner, :3]
+    inside *= (0.55 - 1e-13) / np.linalg.norm(inside, axis=1)[:, None]
+    with pytest.raises(NotConverged, match=r"asks for|outside the wall"):
+        adapted(replace(state, nodes=nodes))
 
 
 def test_newton_says_when_it_fails(branches):
