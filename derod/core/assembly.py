@@ -17,7 +17,7 @@ from derod.core import layout
 from derod.core.bending import add_bending_hessian, bending_energy, fill_bending_gradient
 from derod.core.jit import kernel
 from derod.core.kinematics import measure
-from derod.core.layout import X_C, Gradient, Hessian, Kinematics, Mesh
+from derod.core.layout import X_C, Gradient, Hessian, Kinematics, Mesh, Physics
 from derod.core.menisci import add_menisci_gradient, add_menisci_hessian, capillary_energy
 from derod.core.stretch import add_stretch_gradient, add_stretch_hessian
 from derod.core.twist import add_twist_gradient, add_twist_hessian, holonomy, twisting_moment
@@ -63,11 +63,11 @@ def new_linear(edges: int, d: int) -> Linear:
     return Linear(np.zeros((rows, w + 1)), np.zeros((rows, m)), np.zeros((m, m)))
 
 
-def new_room(mesh: Mesh, axis: tuple[float, ...]) -> Room:
-    """Return room for assembling a mesh between clamps with tangent ``axis``."""
-    edges, d = mesh.edges, len(axis)
+def new_room(mesh: Mesh, physics: Physics) -> Room:
+    """Return room for assembling a mesh."""
+    edges, d = mesh.edges, len(physics.axis)
     return Room(
-        layout.new_kinematics(mesh, axis),
+        layout.new_kinematics(mesh, physics),
         layout.new_gradient(edges, d),
         layout.new_hessian(edges, d),
         np.zeros(edges + 2),
@@ -107,8 +107,9 @@ def gradient(physics, mesh, q, b, psi, end_rotation, room):
     grad.border[:] = 0.0
     fill_bending_gradient(physics, kin, tension, grad)  # the first: it sets what others add to
     add_stretch_gradient(physics, kin, tension, grad)
-    add_wall_gradient(physics, kin, q, b, grad)
-    add_menisci_gradient(physics, kin, q, b, grad)
+    if physics.drop:
+        add_wall_gradient(physics, kin, q, b, grad)
+        add_menisci_gradient(physics, kin, q, b, grad)
     if d == 3:
         psi = holonomy(physics, kin, psi, grad)
         add_twist_gradient(kin, twisting_moment(physics, end_rotation, psi), grad)
@@ -144,8 +145,13 @@ def hessian(physics, q, b, psi, end_rotation, room):
     hess.border[:] = 0.0
     add_bending_hessian(physics, kin, room.tension, hess)
     add_stretch_hessian(physics, kin, room.tension, hess)
-    add_wall_hessian(physics, kin, q, b, hess)
-    add_menisci_hessian(physics, kin, q, b, hess)
+    if physics.drop:
+        add_wall_hessian(physics, kin, q, b, hess)
+        add_menisci_hessian(physics, kin, q, b, hess)
+    else:  # idle unknowns, and idle constraints with the sign of their kind
+        d = len(physics.axis)
+        for k in range(d + 5):
+            hess.border[k, k] = 1.0 if k < X_C + d else -1.0
     for s in range(2):
         for e in range(kin.rest.size):
             hess.border[s, s] += room.grad.rest[e] * kin.curve[s, e]
@@ -224,7 +230,7 @@ def fill_border(physics, q, b, room):
             for s in range(2):
                 corner[s, X_C + k] -= hess.node_menisci[s, i, k]
                 corner[X_C + k, s] -= hess.node_menisci[s, i, k]
-    for side in range(2):
+    for side in range(2 if physics.drop else 0):
         i = kin.node_a if side == 0 else kin.node_b
         for k in range(d):
             border[(d + 1) * (i - 1) + k, X_C + d + side] = 2 * (q[i, k] - b[X_C + k])

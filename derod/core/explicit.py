@@ -2,10 +2,12 @@
 
 Inextensibility and the menisci's places are held by an augmented Lagrangian,
 
-    mu = lambda + kappa g,   kappa = 16/l^3 (no stiffer than bending on that edge)
+    mu = lambda + kappa g,   kappa = 16/l^3 of the shortest edge
 
 whose multipliers are renewed whenever the forces have fallen by a factor, so that no strain is left in
-the answer. The masses are row sums of its Hessian: with them the stable time step is 1 for every mesh.
+the answer. The masses are block row sums of its Hessian: with them the stable time step is 1 for every
+mesh. A node has its own mass along the rod and across, so that kappa, alike everywhere, lets tension
+travel fast without making the rod heavy to bend.
 Damping is FIRE's (Bitzek et al. 2006) or kinetic (restart at each peak of the kinetic energy).
 """
 
@@ -20,8 +22,9 @@ from derod.core.jit import kernel
 from derod.core.layout import S_A, S_B, X_C
 from derod.core.residual import excess
 from derod.core.wall import wall_gap
+from derod.linalg.bordered import subtract_product
 
-STIFFNESS = 16.0  # of a stretched edge, over its length cubed
+STIFFNESS = 16.0  # of a stretched edge, over the shortest length cubed
 SAFETY = 1.3  # masses over what Gershgorin's circles ask for
 GAP_SHARE = 0.125  # of the least wall gap that a node may move in one step
 RENEW = 0.3  # forces fall by this between two renewals of the multipliers
@@ -31,88 +34,142 @@ MEMORY = 5
 
 
 @kernel
-def edge_stiffness(rest):
-    """Return kappa of an edge."""
-    return STIFFNESS / (rest * rest * rest)
+def stiffness(kin):
+    """Return kappa, the penalty of all constraints."""
+    shortest = kin.rest[1]
+    for e in range(2, kin.rest.size - 1):
+        shortest = min(shortest, kin.rest[e])
+    return STIFFNESS / (shortest * shortest * shortest)
 
 
 @kernel
-def masses(physics, q, b, psi, end_rotation, room, mq, mb):
-    """Fill the masses of the nodes (N+1,) and of s_A, s_B, x_C; ``gradient`` was taken at the state.
+def carry(kin, d, field):
+    """Fill ``field`` (N+1, d): where the nodes go as the wetted length grows by 2, the curve held fast.
 
-    Row sums of |K + sum kappa grad g grad g^T|, times SAFETY/4, so that the step 1 is stable.
+    The menisci move by -1 and +1, and every node slides along the tangent with its arc length.
+    """
+    place = 0.0
+    for i in range(1, field.shape[0] - 1):
+        place += kin.slope[1, i] - kin.slope[0, i]
+        for k in range(d):
+            field[i, k] = 0.5 * place * (kin.tangent[i, k] + kin.tangent[i + 1, k])
+
+
+@kernel
+def masses(physics, q, b, psi, end_rotation, room, factor, kappa, field, inverse, mb):
+    """Fill the inverse masses of the nodes (N+1, d, d), and those of the wetted length and x_C.
+
+    A node's mass is the block row sum of the augmented Lagrangian's Hessian, times SAFETY/4, so that
+    the step 1 is stable: isotropic from the rod and the wall, directed from the constraints, of which
+    (sum g_i . x_i)^2 <= (sum |g_i|) sum (g_i . x_i)^2 / |g_i|. The wetted length grows with the nodes
+    carried along (``carry``): its row is the product of the Hessian with that motion, and its mass
+    mb[0]. ``gradient`` was taken at the state.
     """
     d = len(physics.axis)
     n = q.shape[0] - 1
     kin, linear = room.kin, room.linear
     hessian(physics, q, b, psi, end_rotation, room)
+    carry(kin, d, field)
+    grown, grown_border = carried_product(physics, linear, factor, kappa, field)
     band, border, corner = linear.band, linear.border, linear.corner
-    rows = (d + 1) * n
-    sums = np.zeros(rows)
-    heads = np.zeros(d + 5)
-    for j in range(rows):  # K itself, without the multipliers' rows
-        if j % (d + 1) == d:
-            continue
-        sums[j] += abs(band[j, 0])
-        for k in range(1, band.shape[1]):
-            if (j + k) % (d + 1) != d and j + k < rows:
-                sums[j] += abs(band[j, k])
-                sums[j + k] += abs(band[j, k])
-        for k in range(X_C + d):
-            sums[j] += abs(border[j, k])
-            heads[k] += abs(border[j, k])
-    for k in range(X_C + d):
-        for i in range(X_C + d):
-            heads[k] += abs(corner[k, i])
-    for e in range(1, n + 1):  # kappa grad g grad g^T of every edge
-        row = (d + 1) * (e - 1) + d
-        total = abs(border[row, S_A]) + abs(border[row, S_B])
-        first, last = (d + 1) * max(e - 3, 0), min((d + 1) * (e + 1), rows)
-        for j in range(first, last):
-            if j % (d + 1) != d:
-                total += abs(band[min(row, j), abs(row - j)]) if abs(row - j) < band.shape[1] else 0.0
-        kappa = edge_stiffness(kin.rest[e])
-        for j in range(first, last):
-            if j % (d + 1) != d and abs(row - j) < band.shape[1]:
-                sums[j] += kappa * total * abs(band[min(row, j), abs(row - j)])
-        heads[S_A] += kappa * total * abs(border[row, S_A])
-        heads[S_B] += kappa * total * abs(border[row, S_B])
-    for side in range(2):  # and of the two menisci
-        i = kin.node_a if side == 0 else kin.node_b
-        kappa = meniscus_stiffness(kin, i)
-        column = X_C + d + side
-        total = 0.0
-        for k in range(d):
-            total += 2 * abs(border[(d + 1) * (i - 1) + k, column])
-        for k in range(d):
-            g = abs(border[(d + 1) * (i - 1) + k, column])
-            sums[(d + 1) * (i - 1) + k] += kappa * total * g
-            heads[X_C + k] += kappa * total * g
-    if d == 3:  # twist: k3/l grad psi grad psi
-        total = 0.0
-        for j in range(rows):
-            total += abs(border[j, d + 5])
-        for j in range(rows):
-            sums[j] += physics.twisting / physics.length * total * abs(border[j, d + 5])
+    inverse[:] = 0.0
+    mb[:] = 0.0
     for i in range(1, n):
         largest = 0.0
         for k in range(d):
-            largest = max(largest, sums[(d + 1) * (i - 1) + k])
-        mq[i] = 0.25 * SAFETY * largest
-    for k in range(X_C + d):
-        mb[k] = 0.25 * SAFETY * heads[k]
-    mb[S_A] = mb[S_B] = 2 * max(mb[S_A], mb[S_B])  # they move as one, mirrored
+            j = (d + 1) * (i - 1) + k
+            total = abs(grown[j])
+            mb[0] += total
+            for o in range(max(1, i - 2), min(n - 1, i + 2) + 1):
+                for m in range(d):
+                    c = (d + 1) * (o - 1) + m
+                    total += abs(band[min(j, c), abs(j - c)])
+            for m in range(d):
+                total += abs(border[j, X_C + m])
+                mb[X_C + m] += abs(border[j, X_C + m])
+            largest = max(largest, total)
+        for k in range(d):
+            inverse[i, k, k] += largest
+    for k in range(d):
+        mb[0] += abs(grown_border[X_C + k])
+        mb[X_C + k] += abs(grown_border[X_C + k])
+        for m in range(d):
+            mb[X_C + k] += abs(corner[X_C + k, X_C + m])
+    own = grown_border[S_B] - grown_border[S_A]
+    for i in range(1, n):
+        for k in range(d):
+            own += field[i, k] * grown[(d + 1) * (i - 1) + k]
+    mb[0] += abs(own)
+    slopes = np.zeros((4, d))
+    sizes = np.zeros(4)
+    for e in range(1, n + 1):
+        row = (d + 1) * (e - 1) + d
+        first, last = max(1, e - 2), min(n - 1, e + 1)
+        for o in range(first, last + 1):
+            square = 0.0
+            for m in range(d):
+                c = (d + 1) * (o - 1) + m
+                slopes[o - first, m] = band[min(row, c), abs(row - c)]
+                square += slopes[o - first, m] ** 2
+            sizes[o - first] = math.sqrt(square)
+        total = np.sum(sizes[: last - first + 1])
+        for o in range(first, last + 1):
+            add_direction(inverse[o], slopes[o - first], kappa * total / (sizes[o - first] + 1e-300))
+    for side in range(2):
+        i = kin.node_a if side == 0 else kin.node_b
+        for k in range(d):
+            slopes[0, k] = border[(d + 1) * (i - 1) + k, X_C + d + side]
+            mb[X_C + k] += 2 * kappa * abs(slopes[0, k])
+        add_direction(inverse[i], slopes[0], 2 * kappa)
+    if d == 3:  # twist: k3/l grad psi grad psi
+        total = np.sum(np.abs(border[:, d + 5])) * physics.twisting / physics.length
+        for i in range(1, n):
+            for k in range(d):
+                inverse[i, k, k] += total * abs(border[(d + 1) * (i - 1) + k, d + 5])
+    for i in range(1, n):
+        inverse[i] = np.linalg.inv(0.25 * SAFETY * inverse[i])
+    mb *= 0.25 * SAFETY
 
 
 @kernel
-def meniscus_stiffness(kin, i):
-    """Return kappa of a meniscus' place on the sphere."""
-    h = 0.5 * (kin.rest[i] + kin.rest[i + 1])
-    return STIFFNESS / (h * h * h)
+def add_direction(block, g, weight):
+    """Add weight g g^T to a block."""
+    for k in range(g.size):
+        for m in range(g.size):
+            block[k, m] += weight * g[k] * g[m]
 
 
 @kernel
-def augment(physics, room, base, base_f, q, b):
+def carried_product(physics, linear, factor, kappa, field):
+    """Return the augmented Lagrangian's Hessian times the motion of ``carry``: (band rows, border)."""
+    d = field.shape[1]
+    n = field.shape[0] - 1
+    x, y = factor.rhs, factor.rhs_border
+    out, out_border = factor.right, factor.right_border
+    x[:] = 0.0
+    y[:] = 0.0
+    out[:] = 0.0
+    out_border[:] = 0.0
+    for i in range(1, n):
+        for k in range(d):
+            x[(d + 1) * (i - 1) + k] = -field[i, k]
+    y[S_A], y[S_B] = 1.0, -1.0
+    subtract_product(linear, x, y, out, out_border)
+    # the constraints' share, grad g kappa (grad g . motion), by a second product
+    x[:] = 0.0
+    y[:] = 0.0
+    for e in range(1, n + 1):
+        x[(d + 1) * (e - 1) + d] = -kappa * out[(d + 1) * (e - 1) + d]
+    for side in range(2):
+        y[X_C + d + side] = -kappa * out_border[X_C + d + side]
+    if d == 3:
+        y[d + 5] = -physics.twisting / physics.length * out_border[d + 5]
+    subtract_product(linear, x, y, out, out_border)
+    return out, out_border
+
+
+@kernel
+def augment(physics, room, kappa, base, base_f, q, b):
     """Set the multipliers in q and b to mu = lambda + kappa g, with the g of the gradient last taken.
 
     An edge's own length enters up to date; its arc's share, which hardly moves, with one step's delay.
@@ -125,13 +182,13 @@ def augment(physics, room, base, base_f, q, b):
         for k in range(d):
             square += (q[e, k] - q[e - 1, k]) ** 2
         g += 0.5 * (square - kin.size[e] * kin.size[e]) / kin.rest[e]
-        q[e, d] = base[e] + edge_stiffness(kin.rest[e]) * g
+        q[e, d] = base[e] + kappa * g
     for side in range(2):
         i = kin.node_a if side == 0 else kin.node_b
         square = 0.0
         for k in range(d):
             square += (q[i, k] - b[X_C + k]) ** 2
-        b[X_C + d + side] = base_f[side] + meniscus_stiffness(kin, i) * (square - 0.25)
+        b[X_C + d + side] = base_f[side] + kappa * (square - 0.25)
 
 
 @kernel
@@ -162,12 +219,13 @@ def damp(kinetic, power, speed2, force2, memory):
 
 @kernel
 def explicit_steps(
-    physics, mesh, end_rotation, tolerance, kinetic, steps, psi, room, q, b, base, base_f, vq, vb, mq, mb, memory
+    physics, mesh, end_rotation, tolerance, kinetic, steps, psi, room, q, b, kappa, base, base_f, field,
+    vq, pq, pull, vb, inverse, mb, memory
 ):
     """Move the state (q, b, psi) in place by up to ``steps`` damped steps.
 
-    ``base``, ``base_f`` hold lambda, ``vq``, ``vb`` the velocities, ``memory`` the damping's state; all
-    go on from call to call. On return the gradient in ``room`` is that of the state.
+    ``base``, ``base_f`` hold lambda, ``vq``, ``vb`` the velocities, ``pq`` the momenta, ``memory`` the
+    damping's state; all go on from call to call. On return the gradient in ``room`` is that of the state.
     Returns (steps done, psi, excess, force residual, sound).
     """
     d = len(physics.axis)
@@ -177,41 +235,48 @@ def explicit_steps(
     done = 0
     worst, force = excess(physics, room.r, room.rb, room.kin, tolerance)
     while done < steps and sound and gap > 0:
-        slide = 0.5 * (room.rb[S_B] - room.rb[S_A])
-        b[X_C + d + 2] -= 0.5 * (room.rb[S_A] + room.rb[S_B])
-        room.rb[S_A], room.rb[S_B] = -slide, slide
-        power, speed2, force2 = 0.0, 0.0, 0.0
+        r, rb = room.r, room.rb
+        b[X_C + d + 2] -= 0.5 * (rb[S_A] + rb[S_B])  # the pinned sliding
+        growth = rb[S_B] - rb[S_A]
+        power, speed2, force2 = 0.0, mb[0] * vb[0] * vb[0], 0.0
         for i in range(1, n):
-            inverse = 1.0 / mq[i]
             for k in range(d):
-                f, v = -room.r[i, k], vq[i, k]
-                power += f * v
-                speed2 += mq[i] * v * v
-                force2 += f * f * inverse
-        for k in range(X_C + d):
-            f, v = -room.rb[k], vb[k]
-            power += f * v
-            speed2 += mb[k] * v * v
-            force2 += f * f / mb[k]
+                f = -r[i, k]
+                growth -= f * field[i, k]
+                power += f * vq[i, k]
+                speed2 += pq[i, k] * vq[i, k]
+                a = 0.0
+                for m in range(d):
+                    a -= inverse[i, k, m] * r[i, m]
+                pull[i, k] = a
+                force2 += f * a
+        power -= growth * vb[0]
+        force2 += growth * growth / mb[0]
+        for k in range(X_C, X_C + d):
+            power -= rb[k] * vb[k]
+            speed2 += mb[k] * vb[k] * vb[k]
+            force2 += rb[k] * rb[k] / mb[k]
         dt, keep, push = damp(kinetic, power, speed2, force2, memory)
-        fastest = 0.0
+        vb[0] = keep * vb[0] - push * growth / mb[0]
+        fastest = abs(vb[0])
+        for k in range(X_C, X_C + d):
+            vb[k] = keep * vb[k] - push * rb[k] / mb[k]
+            fastest = max(fastest, abs(vb[k]))
         for i in range(1, n):
-            inverse = push / mq[i]
             for k in range(d):
-                v = keep * vq[i, k] - inverse * room.r[i, k]
+                pq[i, k] = keep * pq[i, k] - push * r[i, k]
+                v = keep * vq[i, k] + push * pull[i, k]
                 vq[i, k] = v
                 fastest = max(fastest, abs(v))
-        for k in range(X_C + d):
-            vb[k] = keep * vb[k] - push * room.rb[k] / mb[k]
-            if k >= X_C:
-                fastest = max(fastest, abs(vb[k]))
         dt = min(dt, GAP_SHARE * gap / (fastest + 1e-300))
         for i in range(1, n):
             for k in range(d):
-                q[i, k] += dt * vq[i, k]
-        for k in range(X_C + d):
+                q[i, k] += dt * (vq[i, k] + field[i, k] * vb[0])
+        b[S_A] -= dt * vb[0]
+        b[S_B] += dt * vb[0]
+        for k in range(X_C, X_C + d):
             b[k] += dt * vb[k]
-        augment(physics, room, base, base_f, q, b)
+        augment(physics, room, kappa, base, base_f, q, b)
         psi, sound = gradient(physics, mesh, q, b, psi, end_rotation, room)
         gap = wall_gap(physics, room.kin, q, b)
         done += 1

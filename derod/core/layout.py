@@ -31,10 +31,14 @@ class Physics(NamedTuple):
     wall_strength: float  # v0
     wall_softness: float  # rho
     length: float  # l
+    drop: bool  # whether there is one; without, b is idle
 
 
 class Mesh(NamedTuple):
-    """The arc-length grid: N edges in three regions, [0, s_A], [s_A, s_B], [s_B, l] (``core.grid``)."""
+    """The arc-length grid: N edges in three regions, [0, s_A], [s_A, s_B], [s_B, l] (``core.grid``).
+
+    Without a drop all edges are "inside", fractions of l, and there are no menisci.
+    """
 
     outside: int  # edges in each outer region
     inside: np.ndarray  # fractions of the wetted length, one an inner edge
@@ -83,8 +87,13 @@ class Hessian(NamedTuple):
     border: np.ndarray  # (d+5, d+5) by b b
 
 
-def new_kinematics(mesh: Mesh, axis: tuple[float, ...]) -> Kinematics:
-    """Return room for the kinematics of a mesh between clamps with tangent ``axis``."""
+def new_kinematics(mesh: Mesh, physics: Physics) -> Kinematics:
+    """Return room for the kinematics of a mesh, the clamps' tangents filled in.
+
+    Without a drop the menisci's nodes span an empty range.
+    """
+    axis = physics.axis
+    node_a, node_b = mesh.outside, mesh.outside + mesh.inside.size
     n = mesh.edges + 2
     tangent = np.zeros((n, len(axis)))
     tangent[0] = tangent[-1] = axis
@@ -95,8 +104,8 @@ def new_kinematics(mesh: Mesh, axis: tuple[float, ...]) -> Kinematics:
         np.ones(n),
         np.ones(n),
         tangent,
-        mesh.outside,
-        mesh.outside + mesh.inside.size,
+        node_a if physics.drop else 1,
+        node_b if physics.drop else 0,
     )
 
 

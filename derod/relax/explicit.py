@@ -17,7 +17,7 @@ FIRST_LEVEL = 1e-2  # K0/D^2, of the forces at the first renewal of the multipli
 class Explicit:
     """Second-order dynamics with fictitious masses; the limit of steps grows with the mesh."""
 
-    limit = 2_000_000
+    limit = 200_000
     easy, hard = 500_000, 2_000_000
 
     def __init__(self, *, kinetic: bool) -> None:
@@ -31,9 +31,11 @@ class Explicit:
         report = Report(0, *system.excess(tolerance), alive=True, sound=sound)
         self.base = state.q[:, d].copy()
         self.base_f = state.b[X_C + d : X_C + d + 2].copy()
+        self.field = np.zeros((state.q.shape[0], d))
         self.vq = np.zeros((state.q.shape[0], d))
         self.vb = np.zeros(X_C + d)
-        self.mq = np.ones(state.q.shape[0])
+        self.pq, self.pull = np.zeros_like(self.vq), np.zeros_like(self.vq)
+        self.inverse = np.zeros((state.q.shape[0], d, d))
         self.mb = np.ones(X_C + d)
         self.memory = np.zeros(explicit.MEMORY)
         self.memory[explicit.STEP] = 0.1
@@ -45,6 +47,7 @@ class Explicit:
         """Take a batch of steps with fresh masses."""
         system, state = self.system, self.state
         system.gradient(state)
+        self.kappa = explicit.stiffness(system.room.kin)
         explicit.masses(
             system.physics,
             state.q,
@@ -52,7 +55,10 @@ class Explicit:
             state.holonomy,
             system.end_rotation,
             system.room,
-            self.mq,
+            system.factor,
+            self.kappa,
+            self.field,
+            self.inverse,
             self.mb,
         )
         done, state.holonomy, excess, residual, sound = explicit.explicit_steps(
@@ -66,11 +72,15 @@ class Explicit:
             system.room,
             state.q,
             state.b,
+            self.kappa,
             self.base,
             self.base_f,
+            self.field,
             self.vq,
+            self.pq,
+            self.pull,
             self.vb,
-            self.mq,
+            self.inverse,
             self.mb,
             self.memory,
         )
