@@ -102,13 +102,19 @@ def collect(
 
 
 def finish_at_end(tracer: Tracer, points: list[Point]) -> None:
-    """Put the last point of a path whose outer rod ran out exactly at OUTER_END."""
+    """Put the last point of a path whose outer rod ran out at OUTER_END.
+
+    Where that state cannot be reached, the path ends with the last point inside.
+    """
 
     def left_over(point: Point) -> float:
         return 0.5 * point.state.parameters.length - point.state.sigma - OUTER_END
 
     if len(points) > 1 and left_over(points[-1]) < 0.0 < left_over(points[-2]):
-        points[-1] = locate(tracer, points[-2], points[-1], left_over, "end").point
+        try:
+            points[-1] = locate(tracer, points[-2], points[-1], left_over, "end").point
+        except (NotConverged, SpuriousPoint):
+            points.pop()
 
 
 def special_points(

@@ -46,8 +46,9 @@ class Parameters:
     def from_scene(cls, scene: Scene) -> Parameters:
         """Take the numbers of a scene, forces divided by its bending stiffness.
 
-        Raises SceneError for a drop with weight or a rod with two bending stiffnesses: the
-        flip-symmetric equations hold for isotropic rods and weightless drops only.
+        Raises SceneError for a drop with weight or a rod with two bending stiffnesses (the
+        flip-symmetric equations hold for isotropic rods and weightless drops only), and for a drop
+        without capillary force or wall.
         """
         bending = scene.rod.bending
         if not isinstance(bending, int | float):
@@ -66,6 +67,16 @@ class Parameters:
                 value=scene.drop.weight,
                 allowed="0",
             )
+        for key in ("capillary_force", "wall_strength"):
+            value = getattr(scene.drop, key)
+            if not value > 0.0:
+                raise SceneError(
+                    "has no branches: without it no coil forms inside the drop",
+                    file=scene.path,
+                    key=f"drop.{key}",
+                    value=value,
+                    allowed="> 0",
+                )
         return cls(
             length=scene.rod.length,
             twisting=scene.rod.twisting / bending,
