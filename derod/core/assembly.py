@@ -1,7 +1,7 @@
 """The one place that names every term: energies, residual, and the bordered band matrix.
 
 The Lagrangian is E_tot plus the constraints. Its gradient in the layout of the state is the residual
-(``r`` like q, ``rb`` like b). Its Hessian is a band of half width 3d+2 over the unknowns of q[1:],
+(``r`` like q, ``rb`` like b). Its Hessian is a band of half width 4d+2 over the unknowns of q[1:],
 bordered by b and, where there is twist, by two more: the twisting moment (which makes the dense
 k3/l grad psi grad psi a row) and the turn of the coil about the clamp axis (a neutral mode, deflated).
 Row N of q is prescribed by the clamp: its positions keep unit rows.
@@ -15,6 +15,7 @@ import numpy as np
 
 from derod.core import layout
 from derod.core.bending import add_bending_hessian, bending_energy, fill_bending_gradient
+from derod.core.defect import add_defect_gradient, add_defect_hessian, defect_energy
 from derod.core.jit import kernel
 from derod.core.kinematics import measure
 from derod.core.layout import X_C, Gradient, Hessian, Kinematics, Mesh, Physics
@@ -44,11 +45,12 @@ class Room(NamedTuple):
     r: np.ndarray  # (N+1, d+1) residual by q
     rb: np.ndarray  # (d+5,) residual by b
     linear: Linear
+    scratch: np.ndarray  # (d,)
 
 
 def half_width(d: int) -> int:
     """Return the half width of the band in d dimensions."""
-    return 3 * d + 2
+    return 4 * d + 2
 
 
 def border_count(d: int) -> int:
@@ -74,6 +76,7 @@ def new_room(mesh: Mesh, physics: Physics) -> Room:
         np.zeros((edges + 1, d + 1)),
         np.zeros(d + 5),
         new_linear(edges, d),
+        np.zeros(d),
     )
 
 
@@ -83,7 +86,7 @@ def energies(physics, q, b, psi, end_rotation, room):
     moment = twisting_moment(physics, end_rotation, psi)
     twist = 0.5 * moment * (end_rotation - psi)
     return (
-        bending_energy(physics, room.kin),
+        bending_energy(physics, room.kin) + defect_energy(physics, room.kin, room.scratch),
         twist if len(physics.axis) == 3 else 0.0,
         wall_energy(physics, room.kin, q, b),
         capillary_energy(physics, b),
@@ -106,6 +109,7 @@ def gradient(physics, mesh, q, b, psi, end_rotation, room):
     grad.node[:] = 0.0
     grad.border[:] = 0.0
     fill_bending_gradient(physics, kin, tension, grad)  # the first: it sets what others add to
+    add_defect_gradient(physics, kin, room.scratch, grad)
     add_stretch_gradient(physics, kin, tension, grad)
     if physics.drop:
         add_wall_gradient(physics, kin, q, b, grad)
@@ -137,6 +141,7 @@ def hessian(physics, q, b, psi, end_rotation, room):
     hess, kin = room.hess, room.kin
     hess.edge[:] = 0.0
     hess.vertex[:] = 0.0
+    hess.skip[:] = 0.0
     hess.node[:] = 0.0
     hess.constraint[:] = 0.0
     hess.edge_menisci[:] = 0.0
@@ -144,6 +149,7 @@ def hessian(physics, q, b, psi, end_rotation, room):
     hess.constraint_menisci[:] = 0.0
     hess.border[:] = 0.0
     add_bending_hessian(physics, kin, room.tension, hess)
+    add_defect_hessian(physics, kin, room.scratch, hess)
     add_stretch_hessian(physics, kin, room.tension, hess)
     if physics.drop:
         add_wall_hessian(physics, kin, q, b, hess)
@@ -181,10 +187,17 @@ def fill_band(physics, hess, band):
                     )
                 if i + 1 < n:
                     band[column, d + 1 + m - k] = (
-                        -hess.edge[i + 1, m, k] + hess.vertex[i, k, m] + hess.vertex[i + 1, k, m]
+                        -hess.edge[i + 1, m, k]
+                        + hess.vertex[i, k, m]
+                        + hess.vertex[i + 1, k, m]
+                        - hess.skip[i + 1, k, m]
                     )
                 if i + 2 < n:
-                    band[column, 2 * (d + 1) + m - k] = -hess.vertex[i + 1, k, m]
+                    band[column, 2 * (d + 1) + m - k] = (
+                        -hess.vertex[i + 1, k, m] + hess.skip[i + 1, k, m] + hess.skip[i + 2, k, m]
+                    )
+                if i + 3 < n:
+                    band[column, 3 * (d + 1) + m - k] = -hess.skip[i + 2, k, m]
     for k in range(d):
         band[(d + 1) * (n - 1) + k, 0] = 1.0
     for e in range(1, n + 1):  # tension rows

@@ -79,6 +79,7 @@ class Hessian(NamedTuple):
 
     edge: np.ndarray  # (N+2, d, d) by e e
     vertex: np.ndarray  # (N+1, d, d) by e_i e_{i+1}
+    skip: np.ndarray  # (N+2, d, d) by e_{i-1} e_{i+1}
     node: np.ndarray  # (N+1, d, d) by x_i x_i, what depends on x_i - x_C
     constraint: np.ndarray  # (N+2, 3, d) of g_e by e-1, e, e+1
     edge_menisci: np.ndarray  # (2, N+2, d) by e and s_A, s_B
@@ -128,6 +129,7 @@ def new_hessian(edges: int, d: int) -> Hessian:
     return Hessian(
         np.zeros((n, d, d)),
         np.zeros((edges + 1, d, d)),
+        np.zeros((n, d, d)),
         np.zeros((edges + 1, d, d)),
         np.zeros((n, 3, d)),
         np.zeros((2, n, d)),
