@@ -1,7 +1,7 @@
 """Relaxed states of the discrete rod against branches of the boundary-value problem.
 
-They share no code. Both paper scenes and two further parameter sets, 24 end-shortenings each, on two
-meshes: the errors are small, and fall fourfold with twice the edges.
+They share no code. Both paper scenes and two further parameter sets, 24 end-shortenings each, on
+two meshes: the errors are small, and fall fourfold (or more) with twice the edges.
 """
 
 from pathlib import Path
@@ -23,7 +23,7 @@ OTHERS = {
     "soft-wall": {"drop.wall_softness": 0.16, "drop.wall_strength": 3e-3, "rod.length": 11.0},
 }
 PLACES = tuple(float(d) for d in np.pi * np.linspace(0.1, 2.4, 24))
-EDGES = (200, 400)
+EDGES = (400, 800)
 
 
 def scene_of(name):
@@ -73,7 +73,7 @@ def test_errors_are_small(held):
 
 def test_errors_fall_fourfold(held):
     """Root mean square over the landings (single rows may cross zero)."""
-    coarse, fine = landed(held[200]), landed(held[400])
+    coarse, fine = landed(held[400]), landed(held[800])
     for name in ("tension_error", "energy_error", "shape_error"):
         ratio = np.sqrt(np.mean(coarse[name] ** 2) / np.mean(fine[name] ** 2))
-        assert ratio > 3.4, name
+        assert ratio > 3.5, name
