@@ -77,3 +77,26 @@ def test_errors_fall_fourfold(held):
     for name in ("tension_error", "energy_error", "shape_error"):
         ratio = np.sqrt(np.mean(coarse[name] ** 2) / np.mean(fine[name] ** 2))
         assert ratio > 3.5, name
+
+
+def test_command_line(tmp_path, capsys):
+    """``derod compare``: 0 within the tolerance, 1 beyond it, 2 for the branches of another rod."""
+    from derod.cli import main
+
+    scene = scene_of("paper-text").replace({"push.stop": 0.3 * np.pi})
+    derod.push(scene, tmp_path / "run.h5")
+    for name, own in (
+        ("same", Parameters.from_scene(scene)),
+        ("other", Parameters(wall_strength=2e-2)),
+    ):
+        branches, _ = compute_branches(own, ["Ax", "3D"], count_modes=False)
+        write_branches(tmp_path / f"{name}.h5", own, branches)
+    words = ["compare", str(tmp_path / "run.h5"), str(tmp_path / "same.h5"), "--quiet"]
+    assert main([*words, "--tolerance", "5e-4"]) == 0
+    assert "rows lie on a branch" in capsys.readouterr().out
+    assert main([*words, "--tolerance", "1e-9"]) == 1
+    words[2] = str(tmp_path / "other.h5")
+    assert main(words) == 2
+    assert (
+        "wall_strength = 0.0002 of the run is not that of the branches" in capsys.readouterr().err
+    )
