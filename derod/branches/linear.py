@@ -9,7 +9,8 @@ import numpy as np
 from derod.branches import closure as col
 from derod.branches.chain import expand_chain, expand_stages, reduce_chain
 from derod.branches.closure import KEPT, ROWS, conditions, jump
-from derod.branches.element import INPUTS, PARAMETERS, STATE, condense
+from derod.branches.condense import condense
+from derod.branches.element import INPUTS, PARAMETERS, STATE
 from derod.branches.gauss import STAGES
 from derod.branches.mirror import FULL, Mirror
 from derod.branches.state import HalfRod, Increment
