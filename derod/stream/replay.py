@@ -72,7 +72,9 @@ def replay_branches(recording: Any, branches: Any) -> None:
         tint = PATH_COLORS[number % len(PATH_COLORS)]
         table = branch.table
         points = np.unique(np.linspace(0, len(table) - 1, MOST_POINTS).round().astype(int))
-        curve = rr.LineStrips3D.from_fields(colors=[tint], radii=0.012)
+        curve = rr.LineStrips3D.from_fields(
+            colors=[tint], radii=0.012, labels=[name], show_labels=True
+        )
         recording.log(f"world/branches/{place}", curve, static=True)
         lowest = points[lowest_sheet(table)[points]]
         delta = table["end_shortening"]
@@ -111,7 +113,7 @@ def sheets(end_shortening: np.ndarray) -> list[tuple[int, int]]:
 
 
 def lowest_sheet(table: np.ndarray) -> np.ndarray:
-    """Which points of a path have no other point of it below them, in E_hat at their delta, (T,)."""
+    """Which points of a path have no other point of it below them, in E_hat, (T,) of bool."""
     delta, energy = table["end_shortening"], table["energy_hat"]
     least = np.full(len(table), np.inf)
     for first, last in sheets(delta):
