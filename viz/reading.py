@@ -99,8 +99,8 @@ def stretches(
 ) -> list[tuple[int, int, bool]]:
     """Stretches (first, last, flag) of a path; neighbours share a point.
 
-    The piece between two points has the flag if both have it. Points that are ``neutral``, where the
-    flag changes (bifurcations), have no say.
+    The piece between two points has the flag if both have it. Points that are ``neutral``, where
+    the flag changes (bifurcations), have no say.
     """
     flags = np.asarray(flags, dtype=bool)
     if flags.size < 2:

@@ -78,7 +78,7 @@ def _series(name: str, origin: str, values: tuple[float, float] | None = None) -
         origin=origin,
         name=name,
         plot_legend=rrb.PlotLegend(visible=origin in ("plots/energy", "plots/wetted_length")),
-        axis_y=rrb.ScalarAxis() if values is None else rrb.ScalarAxis(range=values),
+        axis_y=None if values is None else rrb.ScalarAxis(range=values),
     )
 
 

@@ -36,7 +36,11 @@ class RerunStream:
 
     def start(self, scene: Scene, first_increment: int) -> None:
         """Start the process that draws; it gets ready while the push goes on."""
-        self.pipe = Pipe("derod.stream.relay")
+        try:
+            self.pipe = Pipe("derod.stream.relay")
+        except OSError as error:
+            _say(f"no process to draw with: {error}; the run goes on unseen")
+            return
         self.pipe.send(Begin(self.target, scene, self.color), must=True)
 
     def event(self, event: Event) -> None:

@@ -116,7 +116,14 @@ def show_step(stage: Any, step: Step, color: str) -> None:
     indexes = [rr.TimeColumn("relaxation", sequence=[step.number])]
     residual = np.array([np.log10(max(step.residual, 1e-300))])
     plot = Column("plots/relaxation", "Scalars", {"scalars": [residual]})
-    stage.send_at([*draw_shapes(batch, stage.scene, color), plot], indexes)
+    word = np.array(
+        [
+            f"step {step.number} toward increment {step.increment}, "
+            f"{step.end_shortening / np.pi:.4f} pi: residual {step.residual:.3g}"
+        ]
+    )
+    log = Column("events", "TextLog", {"text": [word]})
+    stage.send_at([*draw_shapes(batch, stage.scene, color), plot, log], indexes)
 
 
 def batch_of(step: Step, end_rotation: float) -> Batch:

@@ -79,6 +79,8 @@ def test_a_push_streams_its_steps(tmp_path):
     residual = [v[0] for v in contents["plots/relaxation"].values("Scalars:scalars")]
     assert len(residual) == len(steps_seen)
     assert residual[-1] < residual[0]
+    words = [text[0] for text in contents["events"].values("TextLog:text")]
+    assert sum("toward increment" in word for word in words) == len(steps_seen)
     assert contents["plots/tension"].rows == len(run)
 
 
