@@ -194,7 +194,7 @@ def draw_run(axes: Axes, run: Any, theme: Theme, quantity: str, *, many: bool) -
 
 def draw_plateau(axes: Axes, runs: Sequence[Any], branches: Sequence[Any], theme: Theme) -> None:
     """The tension of the hard-wall limit, f_gamma - 2."""
-    forces = {run.scene.drop.capillary_force for run in runs}
+    forces = {run.scene.drop.capillary_force for run in runs if run.scene.drop is not None}
     forces |= {file.parameters.capillary_force for file in branches}
     for force in forces:
         axes.axhline(force - HARD_WALL, color=theme.faint, linewidth=1.0, zorder=1, gid="plateau")

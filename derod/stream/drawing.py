@@ -84,6 +84,9 @@ def draw(batch: Batch, scene: Scene, color: str) -> list[Column]:
 def draw_shapes(batch: Batch, scene: Scene, color: str) -> list[Column]:
     """The rod, its frame, the drop, the clamps, the menisci and the wall's push."""
     rows, x, s = batch.rows, batch.positions, batch.arc_length
+    center = batch.drop_center
+    if scene.drop is None:  # the eye is on the middle then
+        center = 0.5 * (x[:, 0] + x[:, -1])
     twist = (rows["end_rotation"] - rows["holonomy"]) / scene.rod.length
     frame = material_frame(x, s, twist)
     inside = fields.wetted(s, rows["meniscus_a"], rows["meniscus_b"])
@@ -93,10 +96,9 @@ def draw_shapes(batch: Batch, scene: Scene, color: str) -> list[Column]:
     vertices, normals = tube(x[:, keep], frame, RADIUS, SIDES)
     colors = fields.paint(_field(color, batch, twist, push), fields.coloring(color, scene))
     spokes = np.unique(np.linspace(0, keep.size - 1, STATIONS).round().astype(int))
-    inward = batch.drop_center[:, None, :] - x
+    inward = center[:, None, :] - x
     inward /= np.maximum(np.linalg.norm(inward, axis=-1, keepdims=True), 1e-9)
-    menisci, forces = _menisci(batch)
-    return [
+    shown = [
         Column(
             "world/rod/tube",
             "Mesh3D",
@@ -119,8 +121,14 @@ def draw_shapes(batch: Batch, scene: Scene, color: str) -> list[Column]:
                 "vectors": list((SPOKE * frame.d1[:, spokes]).astype(np.float32)),
             },
         ),
-        Column("world/drop", "Transform3D", {"translation": batch.drop_center[:, None]}),
+        Column("world/drop", "Transform3D", {"translation": center[:, None]}),
         Column("world/clamps/end", "Transform3D", {"translation": x[:, -1:]}),
+    ]
+    if scene.drop is None:
+        return shown
+    menisci, forces = _menisci(batch)
+    return [
+        *shown,
         Column("world/menisci/points", "Points3D", {"positions": menisci}),
         Column("world/menisci/forces", "Arrows3D", {"origins": menisci, "vectors": forces}),
         Column(
@@ -162,7 +170,8 @@ def _menisci(batch: Batch) -> tuple[np.ndarray, np.ndarray]:
 
 def draw_plots(rows: np.ndarray, scene: Scene) -> list[Column]:
     """The time series of the rows (T,)."""
-    surface = rows["energy_capillary"] + scene.drop.capillary_force * (rows["end_shortening"] + 1)
+    f_gamma = 0.0 if scene.drop is None else scene.drop.capillary_force
+    surface = rows["energy_capillary"] + f_gamma * (rows["end_shortening"] + 1)
     residual = np.log10(np.maximum(rows["residual"], 1e-300))
     values = {entity: rows[name].astype(float) for entity, name in PLOTS.items()}
     values |= {PLOT_CAPILLARY: surface, PLOT_RESIDUAL: residual}

@@ -23,6 +23,9 @@ BLUE_RED = [
 ]  # fmt: skip
 
 
+FORCE_WITHOUT_DROP = 50.0  # K0/D^2, the scale of tensions where no drop gives one
+
+
 class Coloring(NamedTuple):
     """How a field is shown: values from ``low`` to ``high`` over the colours, evenly."""
 
@@ -34,7 +37,7 @@ class Coloring(NamedTuple):
 
 def coloring(name: str, scene: Scene) -> Coloring:
     """The fixed scale of a field: the same colour is the same value in every frame."""
-    f_gamma = scene.drop.capillary_force
+    f_gamma = FORCE_WITHOUT_DROP if scene.drop is None else scene.drop.capillary_force
     turn = 2 * np.pi / scene.rod.length
     if name == "curvature":
         return Coloring(0.0, 6.0, VIRIDIS, "curvature, 0 to 6 /D")
@@ -92,6 +95,8 @@ def wall_push(positions: np.ndarray, drop_center: np.ndarray, scene: Scene) -> n
 
     v = v0 / (1 + rho - 2 r). Nodes beyond the wall, which no equilibrium has, give nothing.
     """
+    if scene.drop is None:
+        return np.zeros(positions.shape[:-1])
     r = np.linalg.norm(positions - drop_center[..., None, :], axis=-1)
     gap = 1 + scene.drop.wall_softness - 2 * r
     return np.where(gap > 0, 2 * scene.drop.wall_strength / np.maximum(gap, 1e-9) ** 2, 0.0)

@@ -54,19 +54,11 @@ def replay_branches(recording: Any, branches: Any) -> None:
     import rerun as rr
 
     from derod.stream.blueprint import branch_blueprint
-    from derod.stream.geometry import sphere
-    from derod.stream.stage import WATER, send_column
+    from derod.stream.stage import drop_mesh, send_column
 
     recording.send_blueprint(branch_blueprint(list(branches)))
-    vertices, triangles = sphere(0.5)
-    drop = rr.Mesh3D(
-        vertex_positions=vertices,
-        vertex_normals=2 * vertices,
-        triangle_indices=triangles,
-        albedo_factor=WATER,
-    )
     recording.log("world", rr.ViewCoordinates.RIGHT_HAND_Y_UP, static=True)
-    recording.log("world/drop/surface", drop, static=True)
+    recording.log("world/drop/surface", drop_mesh(), static=True)
     for number, (name, branch) in enumerate(branches.items()):
         place = rr.escape_entity_path_part(name)
         tint = PATH_COLORS[number % len(PATH_COLORS)]

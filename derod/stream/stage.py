@@ -61,16 +61,8 @@ class Stage:
         recording.send_blueprint(run_blueprint(live=live))
         scale = fields.coloring(color, scene)
         self._static("world", rr.ViewCoordinates.RIGHT_HAND_Y_UP)
-        vertices, triangles = sphere(0.5)
-        self._static(
-            "world/drop/surface",
-            rr.Mesh3D(
-                vertex_positions=vertices,
-                vertex_normals=2 * vertices,
-                triangle_indices=triangles,
-                albedo_factor=WATER,
-            ),
-        )
+        if scene.drop is not None:
+            self._static("world/drop/surface", drop_mesh())
         block = rr.Boxes3D(
             centers=[[0, 0, 0]], half_sizes=[[0.05, 0.05, 0.02]], colors=[BRASS], fill_mode="solid"
         )
@@ -148,6 +140,17 @@ class Stage:
         )
 
 
+def drop_mesh() -> Any:
+    """The drop, translucent, about its centre."""
+    vertices, triangles = sphere(0.5)
+    return rr.Mesh3D(
+        vertex_positions=vertices,
+        vertex_normals=2 * vertices,
+        triangle_indices=triangles,
+        albedo_factor=WATER,
+    )
+
+
 def _arrows(color: tuple[int, int, int], radius: float) -> Any:
     return rr.Arrows3D.from_fields(colors=[color], radii=radius)
 
@@ -178,10 +181,14 @@ def event_text(event: Event) -> str:
 def about(scene: Scene, color: str) -> str:
     """What one looks at, in Markdown."""
     rod, drop = scene.rod, scene.drop
+    water = (
+        "no drop"
+        if drop is None
+        else f"**fγ** = {drop.capillary_force:g}, **v0** = {drop.wall_strength:g}, "
+        f"**ρ** = {drop.wall_softness:g}"
+    )
     return (
-        f"**l** = {rod.length:g}, **k3** = {rod.twisting:g}, **fγ** = {drop.capillary_force:g}, "
-        f"**v0** = {drop.wall_strength:g}, **ρ** = {drop.wall_softness:g}, "
-        f"{scene.mesh.edges} edges\n\n"
+        f"**l** = {rod.length:g}, **k3** = {rod.twisting:g}, {water}, {scene.mesh.edges} edges\n\n"
         f"The rod is coloured by {color}. The white line on it is the material d1: it winds where "
         "the rod is twisted. Orange: menisci and their pull (1 K0/D² = "
         f"{FORCE:g} D). Pink: the wall's push on the rod (1 K0/D³ = {PUSH:g} D).\n\n"
