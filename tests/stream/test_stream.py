@@ -193,14 +193,13 @@ def test_rerun_is_imported_by_nobody_but_the_relay(tmp_path):
         assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 
-def test_what_lies_behind_a_viewer_that_cannot_start(monkeypatch, capfd):
-    """Without a display the native viewer ends at once, or not: the push is the same."""
+def test_a_viewer_without_a_display_harms_nothing(monkeypatch):
+    """It may end at once, before it listens, or after it took some of the data."""
     memory = MemoryRun()
     environment = {k: v for k, v in os.environ.items() if k not in ("DISPLAY", "WAYLAND_DISPLAY")}
     monkeypatch.setattr(os, "environ", environment)
-    stream = RerunStream("spawn")
     began = time.monotonic()
-    drive(small_scene(), [memory, stream])
+    drive(small_scene(), [memory, RerunStream("spawn")])
     assert memory.ending.outcome == "completed"
+    assert len(memory) == 40
     assert time.monotonic() - began < 30
-    assert "rerun" in capfd.readouterr().err  # it was said
