@@ -14,12 +14,17 @@ from typing import NamedTuple
 import numpy as np
 
 from derod.core import layout
-from derod.core.bending import add_bending_hessian, bending_energy, fill_bending_gradient
+from derod.core.bending import (
+    add_bending_hessian,
+    bending_energy,
+    fill_bending_gradient,
+    fill_turns,
+)
 from derod.core.jit import kernel
 from derod.core.kinematics import measure
 from derod.core.layout import X_C, Gradient, Hessian, Kinematics, Mesh
 from derod.core.menisci import add_menisci_gradient, add_menisci_hessian, capillary_energy
-from derod.core.stretch import add_stretch_gradient, add_stretch_hessian
+from derod.core.stretch import add_stretch, add_stretch_gradient, add_stretch_hessian
 from derod.core.twist import add_twist_gradient, add_twist_hessian, holonomy, twisting_moment
 from derod.core.wall import add_wall_gradient, add_wall_hessian, wall_energy
 
@@ -97,10 +102,26 @@ def gradient(physics, mesh, q, b, psi, end_rotation, room):
     The rows of r for the clamped ends hold the clamps' reactions: r[N, :d] is dL/dx_N, whose axial
     part is the end tension t.
     """
+    sound = constraints(physics, mesh, q, b, room)
+    psi, finite = forces(physics, q, b, psi, end_rotation, room)
+    return psi, sound and finite
+
+
+@kernel
+def constraints(physics, mesh, q, b, room):
+    """Measure the rod and fill the stretch constraints; return False where an edge has no length."""
+    sound = measure(physics, mesh, q, b, room.kin)
+    fill_turns(physics, room.kin, room.grad)
+    add_stretch(room.kin, room.grad)
+    return sound
+
+
+@kernel
+def forces(physics, q, b, psi, end_rotation, room):
+    """Do what ``gradient`` does, after ``constraints``."""
     d = len(physics.axis)
     kin, grad, tension = room.kin, room.grad, room.tension
     n = q.shape[0] - 1
-    sound = measure(physics, mesh, q, b, kin)
     for e in range(1, n + 1):
         tension[e] = q[e, d]
     grad.node[:] = 0.0
@@ -127,7 +148,7 @@ def gradient(physics, mesh, q, b, psi, end_rotation, room):
         for e in range(1, n + 1):
             grad.border[s] += grad.rest[e] * kin.slope[s, e]
     room.rb[:] = grad.border
-    return psi, sound and np.isfinite(total) and np.isfinite(np.sum(room.rb))
+    return psi, np.isfinite(total) and np.isfinite(np.sum(room.rb))
 
 
 @kernel

@@ -31,6 +31,21 @@ def vertex_turn(axis, tangent, i):
 
 
 @kernel
+def fill_turns(physics, kin, grad):
+    """Measure the turning angles, and set the arcs' share of the stretch constraints."""
+    grad.constraint[0] = 0.0
+    for i in range(kin.rest.size - 1):
+        phi2, slope, _ = squared_angle(vertex_turn(physics.axis, kin.tangent, i))
+        kin.turn[i] = phi2
+        kin.turn_slope[i] = slope
+        p, r = kin.rest[i], kin.rest[i + 1]
+        w = 1.0 / (p + r)
+        share = phi2 * w * w / 12
+        grad.constraint[i] += share * p * p * p
+        grad.constraint[i + 1] = share * r * r * r
+
+
+@kernel
 def bending_energy(physics, kin):
     """Return E_bend, K0/D."""
     total = 0.0
@@ -42,31 +57,26 @@ def bending_energy(physics, kin):
 
 @kernel
 def fill_bending_gradient(physics, kin, tension, grad):
-    """Set the derivatives of sum C_i phi_i^2 by the edges, the tensions and the rest lengths."""
+    """Set the derivatives of sum C_i phi_i^2 by the edges and the rest lengths; after ``fill_turns``."""
     tangent = kin.tangent
     grad.edge[0] = 0.0
-    grad.constraint[0] = 0.0
     grad.rest[0] = 0.0
     for i in range(kin.rest.size - 1):
-        u = vertex_turn(physics.axis, tangent, i)
-        phi2, slope, _ = squared_angle(u)
+        cosine = 1 - vertex_turn(physics.axis, tangent, i)
         p, r = kin.rest[i], kin.rest[i + 1]
         tp, tr = tension[i], tension[i + 1]
         w = 1.0 / (p + r)
         p2, r2 = p * p, r * r
         x = tp * p2 * p + tr * r2 * r
-        c = w + x * w * w / 12
-        cosine = 1 - u
         # du/de_i = -(b - cos a)/|e_i|,  du/de_{i+1} = -(a - cos b)/|e_{i+1}|
-        fp = -c * slope * kin.inverse[i]
-        fr = -c * slope * kin.inverse[i + 1]
+        f = -(w + x * w * w / 12) * kin.turn_slope[i]
+        fp = f * kin.inverse[i]
+        fr = f * kin.inverse[i + 1]
         for k in range(len(physics.axis)):
             a, b = tangent[i, k], tangent[i + 1, k]
             grad.edge[i, k] += fp * (b - cosine * a)
             grad.edge[i + 1, k] = fr * (a - cosine * b)
-        share = phi2 * w * w
-        grad.constraint[i] += share * p2 * p / 12
-        grad.constraint[i + 1] = share * r2 * r / 12
+        share = kin.turn[i] * w * w
         grad.rest[i] += share * (-1 + tp * p2 / 4 - x * w / 6)
         grad.rest[i + 1] = share * (-1 + tr * r2 / 4 - x * w / 6)
 

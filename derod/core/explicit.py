@@ -17,11 +17,11 @@ import math
 
 import numpy as np
 
-from derod.core.assembly import gradient, hessian
+from derod.core.assembly import constraints, forces, hessian
 from derod.core.jit import kernel
 from derod.core.layout import S_A, S_B, X_C
 from derod.core.residual import excess
-from derod.core.wall import wall_gap
+from derod.core.wall import squared_distance, wall_gap
 from derod.linalg.bordered import subtract_product
 
 STIFFNESS = 16.0  # of a stretched edge, over the shortest length cubed
@@ -170,25 +170,13 @@ def carried_product(physics, linear, factor, kappa, field):
 
 @kernel
 def augment(physics, room, kappa, base, base_f, q, b):
-    """Set the multipliers in q and b to mu = lambda + kappa g, with the g of the gradient last taken.
-
-    An edge's own length enters up to date; its arc's share, which hardly moves, with one step's delay.
-    """
+    """Set the multipliers in q and b to mu = lambda + kappa g; after ``constraints``."""
     d = len(physics.axis)
-    kin = room.kin
     for e in range(1, q.shape[0]):
-        g = room.grad.constraint[e]
-        square = 0.0
-        for k in range(d):
-            square += (q[e, k] - q[e - 1, k]) ** 2
-        g += 0.5 * (square - kin.size[e] * kin.size[e]) / kin.rest[e]
-        q[e, d] = base[e] + kappa * g
+        q[e, d] = base[e] + kappa * room.grad.constraint[e]
     for side in range(2):
-        i = kin.node_a if side == 0 else kin.node_b
-        square = 0.0
-        for k in range(d):
-            square += (q[i, k] - b[X_C + k]) ** 2
-        b[X_C + d + side] = base_f[side] + kappa * (square - 0.25)
+        i = room.kin.node_a if side == 0 else room.kin.node_b
+        b[X_C + d + side] = base_f[side] + kappa * (squared_distance(physics, q, b, i) - 0.25)
 
 
 @kernel
@@ -230,7 +218,10 @@ def explicit_steps(
     """
     d = len(physics.axis)
     n = q.shape[0] - 1
-    psi, sound = gradient(physics, mesh, q, b, psi, end_rotation, room)
+    sound = constraints(physics, mesh, q, b, room)
+    augment(physics, room, kappa, base, base_f, q, b)
+    psi, finite = forces(physics, q, b, psi, end_rotation, room)
+    sound &= finite
     gap = wall_gap(physics, room.kin, q, b)
     done = 0
     worst, force = excess(physics, room.r, room.rb, room.kin, tolerance)
@@ -276,8 +267,10 @@ def explicit_steps(
         b[S_B] += dt * vb[0]
         for k in range(X_C, X_C + d):
             b[k] += dt * vb[k]
+        sound = constraints(physics, mesh, q, b, room)
         augment(physics, room, kappa, base, base_f, q, b)
-        psi, sound = gradient(physics, mesh, q, b, psi, end_rotation, room)
+        psi, finite = forces(physics, q, b, psi, end_rotation, room)
+        sound &= finite
         gap = wall_gap(physics, room.kin, q, b)
         done += 1
         if done % 10 == 0 or done == steps:
