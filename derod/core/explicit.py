@@ -201,8 +201,9 @@ def damp(kinetic, power, speed2, force2, memory):
     if memory[SINCE] > FIRE_WAIT:
         memory[STEP] = min(FIRE_GROW * memory[STEP], 1.0)
         memory[MIX] *= FIRE_FADE
-    steer = mix * math.sqrt(speed2 / (force2 + 1e-300))
-    return memory[STEP], 1 - mix, memory[STEP] + steer
+    slowness = math.sqrt(speed2 / (force2 + 1e-300))
+    mix = min(mix, 0.25 * memory[STEP] / (slowness + 1e-300))
+    return memory[STEP], 1 - mix, memory[STEP] + mix * slowness
 
 
 @kernel
