@@ -188,14 +188,14 @@ def damp(kinetic, power, speed2, force2, memory):
     if kinetic:
         if speed2 < memory[KINETIC]:
             memory[KINETIC] = 0.0
-            return 1.0, 0.0, 1.0
+            return 1.0, 0.0, 0.5
         memory[KINETIC] = speed2
         return 1.0, 1.0, 1.0
     if power <= 0:
         memory[STEP] = max(FIRE_CUT * memory[STEP], 0.02)
         memory[MIX] = FIRE_MIX
         memory[SINCE] = 0
-        return memory[STEP], 0.0, memory[STEP]
+        return memory[STEP], 0.0, 0.5 * memory[STEP]
     memory[SINCE] += 1
     mix = memory[MIX]
     if memory[SINCE] > FIRE_WAIT:
