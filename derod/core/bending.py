@@ -17,7 +17,7 @@ so that the Lagrangian holds sum_i C_i phi_i^2 with
 
 from __future__ import annotations
 
-from derod.core.angle import squared_angle
+from derod.core.angle import SERIES_LIMIT, small_squared_angle, squared_angle
 from derod.core.jit import kernel
 
 
@@ -32,17 +32,27 @@ def vertex_turn(axis, tangent, i):
 
 @kernel
 def fill_turns(physics, kin, grad):
-    """Measure the turning angles, and set the arcs' share of the stretch constraints."""
-    grad.constraint[0] = 0.0
+    """Measure the turning angles, and set the arcs' share of the stretch constraints.
+
+    The loops are apart so that the series runs on several vertices at once.
+    """
     for i in range(kin.rest.size - 1):
-        phi2, slope, _ = squared_angle(vertex_turn(physics.axis, kin.tangent, i))
-        kin.turn[i] = phi2
-        kin.turn_slope[i] = slope
+        kin.fall[i] = vertex_turn(physics.axis, kin.tangent, i)
+        kin.weight[i] = 1.0 / (kin.rest[i] + kin.rest[i + 1])
+    small = True
+    for i in range(kin.rest.size - 1):
+        kin.turn[i], kin.turn_slope[i] = small_squared_angle(kin.fall[i])
+        small &= kin.fall[i] < SERIES_LIMIT
+    if not small:
+        for i in range(kin.rest.size - 1):
+            kin.turn[i], kin.turn_slope[i], _ = squared_angle(kin.fall[i])
+    before = 0.0  # the first vertex's share of its second edge
+    for i in range(kin.rest.size - 1):
         p, r = kin.rest[i], kin.rest[i + 1]
-        w = 1.0 / (p + r)
-        share = phi2 * w * w / 12
-        grad.constraint[i] += share * p * p * p
-        grad.constraint[i + 1] = share * r * r * r
+        share = kin.turn[i] * kin.weight[i] * kin.weight[i] / 12
+        grad.constraint[i] = before + share * p * p * p
+        before = share * r * r * r
+    grad.constraint[kin.rest.size - 1] = before
 
 
 @kernel
@@ -62,10 +72,10 @@ def fill_bending_gradient(physics, kin, tension, grad):
     grad.edge[0] = 0.0
     grad.rest[0] = 0.0
     for i in range(kin.rest.size - 1):
-        cosine = 1 - vertex_turn(physics.axis, tangent, i)
+        cosine = 1 - kin.fall[i]
         p, r = kin.rest[i], kin.rest[i + 1]
         tp, tr = tension[i], tension[i + 1]
-        w = 1.0 / (p + r)
+        w = kin.weight[i]
         p2, r2 = p * p, r * r
         x = tp * p2 * p + tr * r2 * r
         # du/de_i = -(b - cos a)/|e_i|,  du/de_{i+1} = -(a - cos b)/|e_{i+1}|

@@ -139,41 +139,32 @@ def stop(kinetic, memory):
 
 
 @kernel
-def push(keep, kick, motion):
-    """Change the velocities to keep v + kick F/m."""
-    n, d = motion.velocity.shape[0] - 1, motion.velocity.shape[1]
-    for i in range(1, n):
-        for k in range(d):
-            motion.velocity[i, k] = keep * motion.velocity[i, k] + kick * motion.pull[i, k]
-    for k in range(1 + d):
-        motion.border[k] = keep * motion.border[k] + kick * motion.border_pull[k]
-
-
-@kernel
-def push_momenta(room, keep, kick, motion):
-    """Change the momenta like the velocities."""
-    n, d = motion.velocity.shape[0] - 1, motion.velocity.shape[1]
-    for i in range(1, n):
-        for k in range(d):
-            motion.momentum[i, k] = keep * motion.momentum[i, k] - kick * room.r[i, k]
-
-
-@kernel
-def speed_limit(kin, motion, gap, dt):
-    """Return the factor on the velocities that keeps a step of ``dt`` within its limits, at most 1."""
+def push(room, keep, kick, motion):
+    """Change the velocities to keep v + kick F/m; return (largest, fastest turn of an edge)."""
     n, d = motion.velocity.shape[0] - 1, motion.velocity.shape[1]
     fastest, turning = 0.0, 0.0
-    for k in range(1 + d):
-        fastest = max(fastest, abs(motion.border[k]))
     for i in range(1, n + 1):
         square = 0.0
         for k in range(d):
+            if i < n:
+                motion.momentum[i, k] = keep * motion.momentum[i, k] - kick * room.r[i, k]
+                motion.velocity[i, k] = keep * motion.velocity[i, k] + kick * motion.pull[i, k]
             v = motion.velocity[i, k]
             fastest = max(fastest, abs(v))
             square += (v - motion.velocity[i - 1, k]) ** 2
-        turning = max(turning, square * kin.inverse[i] ** 2)
-    limit = 1.0 / (dt + 1e-300)
-    return min(1.0, min(GAP_SHARE * gap / (fastest + 1e-300), ROTATION / math.sqrt(turning + 1e-300)) * limit)
+        turning = max(turning, square * room.kin.inverse[i] ** 2)
+    for k in range(1 + d):
+        motion.border[k] = keep * motion.border[k] + kick * motion.border_pull[k]
+        fastest = max(fastest, abs(motion.border[k]))
+    return fastest, math.sqrt(turning)
+
+
+@kernel
+def slow_down(factor, motion):
+    """Scale the velocities."""
+    motion.velocity[:] *= factor
+    motion.momentum[:] *= factor
+    motion.border[:] *= factor
 
 
 @kernel
@@ -212,13 +203,10 @@ def explicit_steps(
             stop(kinetic, memory)
         else:
             keep, kick = damp(kinetic, speed2, force2, memory)
-            push(keep, kick, motion)
-            push_momenta(room, keep, kick, motion)
-            limit = speed_limit(room.kin, motion, gap, memory[STEP])
-            if limit < 1:
-                motion.velocity[:] *= limit
-                motion.momentum[:] *= limit
-                motion.border[:] *= limit
+            fastest, turning = push(room, keep, kick, motion)
+            used = memory[STEP] * max(fastest / (GAP_SHARE * gap), turning / ROTATION)
+            if used > 1:
+                slow_down(1 / used, motion)
             move(memory[STEP], q, b, inertia, motion)
         psi, sound = evaluate(physics, mesh, end_rotation, psi, room, q, b, inertia, motion)
         gap = wall_gap(physics, room.kin, q, b)

@@ -55,7 +55,9 @@ class Kinematics(NamedTuple):
     size: np.ndarray  # (N+2,) |e|, D
     inverse: np.ndarray  # (N+2,) 1/|e|
     tangent: np.ndarray  # (N+2, d) e / |e|
-    turn: np.ndarray  # (N+1,) phi^2 of the turning angles
+    fall: np.ndarray  # (N+1,) 1 - cos phi of the turning angles
+    weight: np.ndarray  # (N+1,) 1 / (l_i + l_{i+1})
+    turn: np.ndarray  # (N+1,) phi^2
     turn_slope: np.ndarray  # (N+1,) d phi^2 / d(1 - cos phi)
     node_a: int  # the menisci's nodes
     node_b: int
@@ -97,6 +99,8 @@ def new_kinematics(mesh: Mesh, axis: tuple[float, ...]) -> Kinematics:
         np.ones(n),
         np.ones(n),
         tangent,
+        np.zeros(n - 1),
+        np.zeros(n - 1),
         np.zeros(n - 1),
         np.zeros(n - 1),
         mesh.outside,
