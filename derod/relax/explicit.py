@@ -17,6 +17,7 @@ class Explicit:
 
     limit = 400_000
     easy, hard = 500_000, 2_000_000
+    finest = 1e-7  # leaves 1e-8 in E_hat and 1e-6 in t; the steps grow with its logarithm
 
     def __init__(self, *, kinetic: bool) -> None:
         self.kinetic = kinetic
