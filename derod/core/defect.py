@@ -133,10 +133,18 @@ def add_defect_hessian(physics, kin, d, hess):
                 )
                 # rows: edge e, columns: edge e+1; and rows: e-1, columns: e
                 hess.vertex[e, k, m] -= (
-                    weight * alpha * io * ir * (d[k] * or_m + sigma * (same - o[k] * o[m] - ro_k * r[m]))
+                    weight
+                    * alpha
+                    * io
+                    * ir
+                    * (d[k] * or_m + sigma * (same - o[k] * o[m] - ro_k * r[m]))
                 )
                 hess.vertex[e - 1, k, m] -= (
-                    weight * beta * io * il * (ol_k * d[m] + sigma * (same - o[k] * o[m] - l[k] * lo_m))
+                    weight
+                    * beta
+                    * io
+                    * il
+                    * (ol_k * d[m] + sigma * (same - o[k] * o[m] - l[k] * lo_m))
                 )
                 # rows: e-1, columns: e+1 of (1 - l l^T)(1 - t t^T)(1 - r r^T)
                 hess.skip[e, k, m] += (

@@ -43,7 +43,9 @@ class Motion(NamedTuple):
     border_pull: np.ndarray  # (1+d,)
     tension: np.ndarray  # (N+1,) lambda of the edges
     force: np.ndarray  # (2,) lambda of the menisci, f_A and f_B
-    memory: np.ndarray  # (4,) time step, FIRE's mixing, steps since the stop, level of the next renewal
+    memory: (
+        np.ndarray
+    )  # (4,) time step, FIRE's mixing, steps since the stop, level of the next renewal
 
 
 def new_motion(edges: int, d: int) -> Motion:

@@ -219,7 +219,9 @@ def clamp_column(physics, room, x, y):
     d = len(physics.axis)
     hess = room.hess
     n = hess.node.shape[0] - 1
-    z = d - 1  # the clamp moves along the axis: dx_N = -e_z, so minus the change is the column itself
+    z = (
+        d - 1
+    )  # the clamp moves along the axis: dx_N = -e_z, so minus the change is the column itself
     x[:] = 0.0
     y[:] = 0.0
     for k in range(d):

@@ -1,6 +1,6 @@
 """Inextensibility: one multiplier an edge, which is the tension (equa:inext-constr).
 
-    lambda_e g_e,   g_e = (|e|^2 / l - l) / 2 + (the arc's share, see ``bending``)
+lambda_e g_e,   g_e = (|e|^2 / l - l) / 2 + (the arc's share, see ``bending``)
 """
 
 from __future__ import annotations
