@@ -169,9 +169,7 @@ class Push:
         self.step = factor * length
         delta = self.state.end_shortening
         if self.step < LEAST_STEP * self.max_step:
-            s_a, s_b = self.state.menisci
-            outer = min(s_a, self.system.physics.length - s_b)
-            if outer < 10 * OUTER_LEAST:
+            if self.system.outer_length(self.state) < 10 * OUTER_LEAST:
                 raise Stuck(Outcome.ROD_RAN_OUT, f"the outer rod ran out at {delta:.6g}")
             raise Stuck(
                 outcome_of(solution),
@@ -262,8 +260,7 @@ class Push:
         self.state = increment.state if frame is None else decode(self.system, frame)
         self.here = self.system.analyse(self.state)
         self.before = previous if increment.smooth else None
-        s_a, s_b = self.state.menisci
-        if min(s_a, self.system.physics.length - s_b) < OUTER_LEAST:
+        if self.system.outer_length(self.state) < OUTER_LEAST:
             raise Stuck(
                 Outcome.ROD_RAN_OUT, f"the outer rod ran out at {self.state.end_shortening:.6g}"
             )

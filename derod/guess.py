@@ -19,12 +19,18 @@ def bent_guess(system: System, end_shortening: float) -> State:
     """
     physics, d = system.physics, system.dimension
     state = State(np.zeros((system.edges + 1, d + 1)), np.zeros(d + 5), 0.0, end_shortening)
-    wetted = min(1 + end_shortening, 0.5 * (1 + physics.length))
-    state.b[S_A], state.b[S_B] = 0.5 * (physics.length - wetted), 0.5 * (physics.length + wetted)
+    if physics.drop:
+        wetted = min(1 + end_shortening, 0.5 * (1 + physics.length))
+        middle = 0.5 * physics.length
+        state.b[S_A], state.b[S_B] = middle - 0.5 * wetted, middle + 0.5 * wetted
     rest = system.rest_lengths(state)
     nodes = system.arc_length(state)
-    place = (0.5 * (nodes[1:] + nodes[:-1]) - 0.5 * physics.length) / BUMP_WIDTH
-    shape = place * np.exp(-0.5 * place**2)
+    place = 0.5 * (nodes[1:] + nodes[:-1]) - 0.5 * physics.length
+    if physics.drop:
+        place /= BUMP_WIDTH
+        shape = place * np.exp(-0.5 * place**2)
+    else:  # the clamped rod's first buckling mode
+        shape = np.sin(2 * np.pi * place / physics.length)
     amplitude = brentq(
         lambda a: np.sum(rest * (1 - np.cos(a * shape))) - end_shortening, 0.0, np.pi
     )
@@ -32,6 +38,9 @@ def bent_guess(system: System, end_shortening: float) -> State:
     state.q[1:, d - 2] = np.cumsum(rest * np.sin(amplitude * shape))
     state.q[-1, d - 2] = 0.0
     state.clamp_at(end_shortening, physics.length)
+    if not physics.drop:
+        state.q[1:, d] = -4 * np.pi**2 / physics.length**2
+        return state
     kin = system.room.kin
     tension = 0.2 * physics.capillary_force
     state.q[1:, d] = tension

@@ -18,7 +18,7 @@ from derod.core.layout import Physics
 from derod.core.residual import excess
 from derod.core.wall import wall_gap
 from derod.linalg.bordered import new_factor
-from derod.mesh import make_mesh
+from derod.mesh import dry_mesh, wetted_mesh
 from derod.scene import Scene
 from derod.state import State
 
@@ -59,16 +59,18 @@ class System:
         self.edges = scene.mesh.edges
         self.end_rotation = scene.clamps.end_rotation
         self.tolerance = scene.relax.tolerance
+        drop = scene.drop
         self.physics = Physics(
             AXES[self.dimension],
             scene.rod.twisting / unit,
-            scene.drop.capillary_force / unit,
-            scene.drop.wall_strength / unit,
-            scene.drop.wall_softness,
+            drop.capillary_force / unit if drop else 0.0,
+            drop.wall_strength / unit if drop else 0.0,
+            float(drop.wall_softness) if drop else 0.0,
             float(scene.rod.length),
+            drop is not None,
         )
-        self.mesh = make_mesh(self.edges)
-        self.room = assembly.new_room(self.mesh, self.physics.axis)
+        self.mesh = wetted_mesh(self.edges) if drop else dry_mesh(self.edges)
+        self.room = assembly.new_room(self.mesh, self.physics)
         linear = self.room.linear
         self.factor = new_factor(*linear.band.shape, linear.border.shape[1])
 
@@ -122,6 +124,11 @@ class System:
         return self.energies(state).total + self.physics.capillary_force * (
             state.end_shortening + 1
         )
+
+    def outer_length(self, state: State) -> float:
+        """Return the shorter length outside the drop, D; without a drop, the whole rod's."""
+        s_a, s_b = state.menisci
+        return min(s_a, self.physics.length - s_b) if self.physics.drop else self.physics.length
 
     def wall_gap(self, state: State) -> float:
         """Return the least 1 + rho - 2 r of the wetted nodes, D."""

@@ -1,7 +1,7 @@
 """The one place that names every term: energies, residual, and the bordered band matrix.
 
 The Lagrangian is E_tot plus the constraints. Its gradient in the layout of the state is the residual
-(``r`` like q, ``rb`` like b). Its Hessian is a band of half width 3d+2 over the unknowns of q[1:],
+(``r`` like q, ``rb`` like b). Its Hessian is a band of half width 4d+2 over the unknowns of q[1:],
 bordered by b and, where there is twist, by two more: the twisting moment (which makes the dense
 k3/l grad psi grad psi a row) and the turn of the coil about the clamp axis (a neutral mode, deflated).
 Row N of q is prescribed by the clamp: its positions keep unit rows.
@@ -20,9 +20,10 @@ from derod.core.bending import (
     fill_bending_gradient,
     fill_turns,
 )
+from derod.core.defect import add_defect_gradient, add_defect_hessian, defect_energy
 from derod.core.jit import kernel
 from derod.core.kinematics import measure
-from derod.core.layout import S_A, S_B, X_C, Gradient, Hessian, Kinematics, Mesh
+from derod.core.layout import S_A, S_B, X_C, Gradient, Hessian, Kinematics, Mesh, Physics
 from derod.core.menisci import add_menisci_gradient, add_menisci_hessian, capillary_energy
 from derod.core.stretch import add_stretch, add_stretch_gradient, add_stretch_hessian
 from derod.core.twist import add_twist_gradient, add_twist_hessian, holonomy, twisting_moment
@@ -49,11 +50,12 @@ class Room(NamedTuple):
     r: np.ndarray  # (N+1, d+1) residual by q
     rb: np.ndarray  # (d+5,) residual by b
     linear: Linear
+    scratch: np.ndarray  # (d,)
 
 
 def half_width(d: int) -> int:
     """Return the half width of the band in d dimensions."""
-    return 3 * d + 2
+    return 4 * d + 2
 
 
 def border_count(d: int) -> int:
@@ -68,17 +70,18 @@ def new_linear(edges: int, d: int) -> Linear:
     return Linear(np.zeros((rows, w + 1)), np.zeros((rows, m)), np.zeros((m, m)))
 
 
-def new_room(mesh: Mesh, axis: tuple[float, ...]) -> Room:
-    """Return room for assembling a mesh between clamps with tangent ``axis``."""
-    edges, d = mesh.edges, len(axis)
+def new_room(mesh: Mesh, physics: Physics) -> Room:
+    """Return room for assembling a mesh."""
+    edges, d = mesh.edges, len(physics.axis)
     return Room(
-        layout.new_kinematics(mesh, axis),
+        layout.new_kinematics(mesh, physics),
         layout.new_gradient(edges, d),
         layout.new_hessian(edges, d),
         np.zeros(edges + 2),
         np.zeros((edges + 1, d + 1)),
         np.zeros(d + 5),
         new_linear(edges, d),
+        np.zeros(d),
     )
 
 
@@ -88,7 +91,7 @@ def energies(physics, q, b, psi, end_rotation, room):
     moment = twisting_moment(physics, end_rotation, psi)
     twist = 0.5 * moment * (end_rotation - psi)
     return (
-        bending_energy(physics, room.kin),
+        bending_energy(physics, room.kin) + defect_energy(physics, room.kin, room.scratch),
         twist if len(physics.axis) == 3 else 0.0,
         wall_energy(physics, room.kin, q, b),
         capillary_energy(physics, b),
@@ -127,9 +130,11 @@ def forces(physics, q, b, psi, end_rotation, room):
     grad.node[:] = 0.0
     grad.border[:] = 0.0
     fill_bending_gradient(physics, kin, tension, grad)  # the first: it sets what others add to
+    add_defect_gradient(physics, kin, room.scratch, grad)
     add_stretch_gradient(physics, kin, tension, grad)
-    add_wall_gradient(physics, kin, q, b, grad)
-    add_menisci_gradient(physics, kin, q, b, grad)
+    if physics.drop:
+        add_wall_gradient(physics, kin, q, b, grad)
+        add_menisci_gradient(physics, kin, q, b, grad)
     if d == 3:
         psi = holonomy(physics, kin, psi, grad)
         add_twist_gradient(kin, twisting_moment(physics, end_rotation, psi), grad)
@@ -162,6 +167,7 @@ def hessian(physics, q, b, psi, end_rotation, room):
     hess, kin = room.hess, room.kin
     hess.edge[:] = 0.0
     hess.vertex[:] = 0.0
+    hess.skip[:] = 0.0
     hess.node[:] = 0.0
     hess.constraint[:] = 0.0
     hess.edge_menisci[:] = 0.0
@@ -169,9 +175,15 @@ def hessian(physics, q, b, psi, end_rotation, room):
     hess.constraint_menisci[:] = 0.0
     hess.border[:] = 0.0
     add_bending_hessian(physics, kin, room.tension, hess)
+    add_defect_hessian(physics, kin, room.scratch, hess)
     add_stretch_hessian(physics, kin, room.tension, hess)
-    add_wall_hessian(physics, kin, q, b, hess)
-    add_menisci_hessian(physics, kin, q, b, hess)
+    if physics.drop:
+        add_wall_hessian(physics, kin, q, b, hess)
+        add_menisci_hessian(physics, kin, q, b, hess)
+    else:  # idle unknowns, and idle constraints with the sign of their kind
+        d = len(physics.axis)
+        for k in range(d + 5):
+            hess.border[k, k] = 1.0 if k < X_C + d else -1.0
     for s in range(2):
         for e in range(kin.rest.size):
             hess.border[s, s] += room.grad.rest[e] * kin.curve[s, e]
@@ -201,10 +213,17 @@ def fill_band(physics, hess, band):
                     )
                 if i + 1 < n:
                     band[column, d + 1 + m - k] = (
-                        -hess.edge[i + 1, m, k] + hess.vertex[i, k, m] + hess.vertex[i + 1, k, m]
+                        -hess.edge[i + 1, m, k]
+                        + hess.vertex[i, k, m]
+                        + hess.vertex[i + 1, k, m]
+                        - hess.skip[i + 1, k, m]
                     )
                 if i + 2 < n:
-                    band[column, 2 * (d + 1) + m - k] = -hess.vertex[i + 1, k, m]
+                    band[column, 2 * (d + 1) + m - k] = (
+                        -hess.vertex[i + 1, k, m] + hess.skip[i + 1, k, m] + hess.skip[i + 2, k, m]
+                    )
+                if i + 3 < n:
+                    band[column, 3 * (d + 1) + m - k] = -hess.skip[i + 2, k, m]
     for k in range(d):
         band[(d + 1) * (n - 1) + k, 0] = 1.0
     for e in range(1, n + 1):  # tension rows
@@ -250,7 +269,7 @@ def fill_border(physics, q, b, room):
             for s in range(2):
                 corner[s, X_C + k] -= hess.node_menisci[s, i, k]
                 corner[X_C + k, s] -= hess.node_menisci[s, i, k]
-    for side in range(2):
+    for side in range(2 if physics.drop else 0):
         i = kin.node_a if side == 0 else kin.node_b
         for k in range(d):
             border[(d + 1) * (i - 1) + k, X_C + d + side] = 2 * (q[i, k] - b[X_C + k])

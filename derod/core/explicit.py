@@ -67,7 +67,7 @@ def evaluate(physics, mesh, end_rotation, psi, room, q, b, inertia, motion):
     sound = constraints(physics, mesh, q, b, room)
     for e in range(1, q.shape[0]):
         q[e, d] = motion.tension[e] + inertia.penalty[e] * room.grad.constraint[e]
-    for side in range(2):
+    for side in range(2 if physics.drop else 0):
         i = room.kin.node_a if side == 0 else room.kin.node_b
         off = squared_distance(physics, q, b, i) - 0.25
         b[X_C + d + side] = motion.force[side] + inertia.menisci[0] * off

@@ -41,7 +41,11 @@ def outer_lengths(mesh, region, sign, nearest, step, rest, slope, curve):
 
 @kernel
 def lay_grid(mesh, length, b, kin):
-    """Fill the rest lengths and their derivatives by s_A and s_B."""
+    """Fill the rest lengths and their derivatives by s_A and s_B; without menisci they are fixed."""
+    if kin.node_b < kin.node_a:
+        for i in range(mesh.inside.size):
+            kin.rest[1 + i] = mesh.inside[i] * length
+        return
     outer_lengths(mesh, b[S_A], 1.0, kin.node_a, -1, kin.rest, kin.slope[0], kin.curve[0])
     outer_lengths(
         mesh, length - b[S_B], -1.0, kin.node_b + 1, 1, kin.rest, kin.slope[1], kin.curve[1]

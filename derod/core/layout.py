@@ -31,10 +31,14 @@ class Physics(NamedTuple):
     wall_strength: float  # v0
     wall_softness: float  # rho
     length: float  # l
+    drop: bool  # whether there is one; without, b is idle
 
 
 class Mesh(NamedTuple):
-    """The arc-length grid: N edges in three regions, [0, s_A], [s_A, s_B], [s_B, l] (``core.grid``)."""
+    """The arc-length grid: N edges in three regions, [0, s_A], [s_A, s_B], [s_B, l] (``core.grid``).
+
+    Without a drop all edges are "inside", fractions of l, and there are no menisci.
+    """
 
     outside: int  # edges in each outer region
     inside: np.ndarray  # fractions of the wetted length, one an inner edge
@@ -79,6 +83,7 @@ class Hessian(NamedTuple):
 
     edge: np.ndarray  # (N+2, d, d) by e e
     vertex: np.ndarray  # (N+1, d, d) by e_i e_{i+1}
+    skip: np.ndarray  # (N+2, d, d) by e_{i-1} e_{i+1}
     node: np.ndarray  # (N+1, d, d) by x_i x_i, what depends on x_i - x_C
     constraint: np.ndarray  # (N+2, 3, d) of g_e by e-1, e, e+1
     edge_menisci: np.ndarray  # (2, N+2, d) by e and s_A, s_B
@@ -87,8 +92,13 @@ class Hessian(NamedTuple):
     border: np.ndarray  # (d+5, d+5) by b b
 
 
-def new_kinematics(mesh: Mesh, axis: tuple[float, ...]) -> Kinematics:
-    """Return room for the kinematics of a mesh between clamps with tangent ``axis``."""
+def new_kinematics(mesh: Mesh, physics: Physics) -> Kinematics:
+    """Return room for the kinematics of a mesh, the clamps' tangents filled in.
+
+    Without a drop the menisci's nodes span an empty range.
+    """
+    axis = physics.axis
+    node_a, node_b = mesh.outside, mesh.outside + mesh.inside.size
     n = mesh.edges + 2
     tangent = np.zeros((n, len(axis)))
     tangent[0] = tangent[-1] = axis
@@ -103,8 +113,8 @@ def new_kinematics(mesh: Mesh, axis: tuple[float, ...]) -> Kinematics:
         np.zeros(n - 1),
         np.zeros(n - 1),
         np.zeros(n - 1),
-        mesh.outside,
-        mesh.outside + mesh.inside.size,
+        node_a if physics.drop else 1,
+        node_b if physics.drop else 0,
     )
 
 
@@ -127,6 +137,7 @@ def new_hessian(edges: int, d: int) -> Hessian:
     return Hessian(
         np.zeros((n, d, d)),
         np.zeros((edges + 1, d, d)),
+        np.zeros((n, d, d)),
         np.zeros((edges + 1, d, d)),
         np.zeros((n, 3, d)),
         np.zeros((2, n, d)),

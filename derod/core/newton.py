@@ -224,7 +224,8 @@ def clamp_column(physics, room, x, y):
     y[:] = 0.0
     for k in range(d):
         x[(d + 1) * (n - 2) + k] = -hess.edge[n, k, z] + hess.vertex[n - 1, k, z]
-        x[(d + 1) * (n - 3) + k] = -hess.vertex[n - 1, k, z]
+        x[(d + 1) * (n - 3) + k] = -hess.vertex[n - 1, k, z] + hess.skip[n - 1, k, z]
+        x[(d + 1) * (n - 4) + k] = -hess.skip[n - 1, k, z]
     x[(d + 1) * (n - 1) + d] = hess.constraint[n, 1, z]
     x[(d + 1) * (n - 2) + d] = hess.constraint[n - 1, 2, z]
     for s in range(2):

@@ -26,9 +26,10 @@ class Explicit:
         """Take the residual of the state, and start at rest."""
         self.system, self.state, self.tolerance = system, state, tolerance
         d = system.dimension
-        off = 0.5 * (state.b[S_A] + state.b[S_B] - system.physics.length)
-        state.b[S_A] -= off  # the menisci only move as mirror images from here on
-        state.b[S_B] -= off
+        if system.physics.drop:  # the menisci only move as mirror images from here on
+            off = 0.5 * (state.b[S_A] + state.b[S_B] - system.physics.length)
+            state.b[S_A] -= off
+            state.b[S_B] -= off
         sound = system.gradient(state) and system.wall_gap(state) > 0
         report = Report(0, *system.excess(tolerance), alive=True, sound=sound)
         self.inertia = masses.new_inertia(system.edges, d)

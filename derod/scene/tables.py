@@ -64,7 +64,7 @@ class Push(Table, frozen=True, kw_only=True):
 class Mesh(Table, frozen=True, kw_only=True):
     """The discrete rod."""
 
-    edges: int = 400
+    edges: int = 200
     """N; there are N + 1 nodes."""
 
 
