@@ -15,7 +15,7 @@ def main() -> int:
     add_branch_parser(subparsers)
     add_compare_parser(subparsers)
     args = parser.parse_args()
-    return int(args.func(args))
+    return int(args.command(args))
 
 
 if __name__ == "__main__":

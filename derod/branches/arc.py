@@ -10,7 +10,8 @@ from derod.branches import closure as col
 from derod.branches.fields import evaluate_fields
 from derod.branches.mesh import RESOLUTION, adapted, drifted
 from derod.branches.mirror import Mirror
-from derod.branches.newton import NotConverged, Settled, settle
+from derod.branches.newton import Settled, settle
+from derod.branches.outcome import NotConverged
 from derod.branches.state import HalfRod, Increment
 
 
@@ -37,7 +38,7 @@ class Control:
 
     tolerance: float = 1e-10
     first_step: float = 0.02
-    largest_step: float = 0.18
+    largest_step: float = 0.22
     least_step: float = 1e-6
     turning: float = 0.25  # angle between successive tangents at which steps stop growing
     iterations: int = 4

@@ -6,13 +6,11 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TypeVar
 
-import numpy as np
-
 from derod.branches.arc import Point, Tracer
 from derod.branches.error import refined
 from derod.branches.mirror import Mirror
-from derod.branches.newton import NotConverged
 from derod.branches.observables import observables
+from derod.branches.outcome import NotConverged
 from derod.branches.special import (
     SpecialPoint,
     SpuriousPoint,
@@ -21,6 +19,7 @@ from derod.branches.special import (
     odd_determinant,
     with_mode,
 )
+from derod.branches.stability import unstable_modes
 from derod.branches.state import HalfRod
 
 OUTER_END = 1e-3
@@ -35,7 +34,8 @@ _T = TypeVar("_T")
 
 @dataclass(frozen=True)
 class Stored:
-    """A branch's point as it is written: state, numbers, mesh-halving error, label of a special point."""
+    """A branch's point as it is written: state, numbers, mesh-halving error, label of a special
+    point."""
 
     state: HalfRod
     values: dict[str, float]
@@ -46,7 +46,8 @@ class Stored:
 
 @dataclass(frozen=True)
 class Bifurcation:
-    """A special point of a branch: its index among the points, kind, and the branch that leaves there."""
+    """A special point of a branch: its index among the points, kind, and the branch that leaves
+    there."""
 
     index: int
     kind: str
@@ -101,13 +102,19 @@ def collect(
 
 
 def finish_at_end(tracer: Tracer, points: list[Point]) -> None:
-    """Put the last point of a path whose outer rod ran out exactly at OUTER_END."""
+    """Put the last point of a path whose outer rod ran out at OUTER_END.
+
+    Where that state cannot be reached, the path ends with the last point inside.
+    """
 
     def left_over(point: Point) -> float:
         return 0.5 * point.state.parameters.length - point.state.sigma - OUTER_END
 
     if len(points) > 1 and left_over(points[-1]) < 0.0 < left_over(points[-2]):
-        points[-1] = locate(tracer, points[-2], points[-1], left_over, "end").point
+        try:
+            points[-1] = locate(tracer, points[-2], points[-1], left_over, "end").point
+        except (NotConverged, SpuriousPoint):
+            points.pop()
 
 
 def special_points(
@@ -115,7 +122,8 @@ def special_points(
 ) -> list[tuple[int, SpecialPoint]]:
     """Folds and, on planar paths, pitchforks; each with the index of the point it follows.
 
-    A sign change without a zero is passed over (mesh changes can shake the sign near a double zero).
+    A sign change without a zero is passed over (mesh changes can shake the sign near a double
+    zero).
     """
     tests: list[tuple[str, Callable[[Point], float]]] = [("fold", fold_function)]
     if odd is not None:
@@ -137,10 +145,11 @@ def special_points(
     return out
 
 
-def stored(tracer: Tracer, point: Point, label: str = "") -> Stored:
-    """A path's point refined to the wanted accuracy."""
+def stored(tracer: Tracer, point: Point, label: str = "", count_modes: bool = True) -> Stored:
+    """A path's point refined to the wanted accuracy, its unstable modes counted."""
     state, error = refined(tracer, point)
-    return Stored(state, observables(state), error, label)
+    modes = sum(unstable_modes(state)) if count_modes else -1
+    return Stored(state, observables(state), error, label, modes)
 
 
 def merged(
@@ -157,10 +166,3 @@ def merged(
 def reversed_path(points: list[Point]) -> list[Point]:
     """A path in the other sense: arclengths and tangents with their signs changed."""
     return [Point(p.settled, -p.tangent, -p.arc) for p in reversed(points)]
-
-
-def interpolated_index(branch: Branch, delta: float) -> np.ndarray:
-    """Indices i with delta between points i and i+1 of the branch (one per sheet)."""
-    d = np.array([p.values["end_shortening"] for p in branch.points])
-    between = (d[:-1] - delta) * (d[1:] - delta) <= 0.0
-    return np.flatnonzero(between)

@@ -1,9 +1,9 @@
 """The paper's paths by name, each found from the straight rod without a guess.
 
-Ax: planar, from the straight rod's buckling. 3D: leaves Ax at its first pitchfork (end rotation 0) or
-the twisted straight rod (end rotation 2 pi). L1, L2, ...: planar loops that a 3D path meets; 3D after
-L_j is named 3D-Lj. Pt: point-symmetric planar curve, reached from large f_gamma. Tri1, Tri2, ...: space
-paths of higher energy from the other pitchforks of Ax.
+Ax: planar, from the straight rod's buckling. 3D: leaves Ax at its first pitchfork (end rotation
+0) or the twisted straight rod (end rotation 2 pi). L1, L2, ...: planar loops that a 3D path
+meets; 3D after L_j is named 3D-Lj. Pt: point-symmetric planar curve, reached from large f_gamma.
+Tri1, Tri2, ...: space paths of higher energy from the other pitchforks of Ax.
 """
 
 from __future__ import annotations
@@ -38,10 +38,12 @@ from derod.branches.mirror import (
     STRAIGHT_TWISTED,
     Mirror,
 )
-from derod.branches.newton import NotConverged, settle
+from derod.branches.newton import Settled, settle
 from derod.branches.observables import loops
+from derod.branches.outcome import NotConverged
 from derod.branches.parameters import Parameters
 from derod.branches.special import SpecialPoint, branch_off, crossed_plane, flattened
+from derod.branches.state import HalfRod
 from derod.branches.straight import NoBuckling, buckling_tensions, first_buckled
 
 AMPLITUDE = 0.02
@@ -51,6 +53,8 @@ PT_END_SHORTENING = 1.1 * math.pi
 """Where f_gamma is lowered on Pt."""
 PT_FACTORS = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0)
 """Multiples of f_gamma at which the second buckling mode is looked for."""
+JOINT_DISTANCE = 0.1
+"""A plane met is one already traced if (delta, t/f_gamma, sigma) are this near to its pitchfork."""
 TRIANGLES = 3
 """Most 'yet other paths' followed from Ax."""
 
@@ -83,8 +87,8 @@ class Path:
 class Catalogue:
     """Finds and keeps the paths of one set of parameters.
 
-    ``delta_limit`` (D) bounds the end-shortening; paths of interest end earlier, where the outer rod
-    runs out.
+    ``delta_limit`` (D) bounds the end-shortening; paths of interest end earlier, where the outer
+    rod runs out.
     """
 
     def __init__(
@@ -104,7 +108,8 @@ class Catalogue:
 
     @property
     def twisted(self) -> bool:
-        """Whether the straight rod is twisted (end rotation not a multiple of 4 pi: all start as one)."""
+        """Whether the straight rod is twisted (end rotation not a multiple of 4 pi: all start as
+        one)."""
         return self.parameters.end_rotation != 0.0
 
     # --- paths -----------------------------------------------------------------------------------
@@ -116,6 +121,15 @@ class Catalogue:
         return self.paths["Ax"]
 
     def _from_straight(self, name: str, mode: Mirror, mirror: Mirror, odd: Mirror | None) -> Path:
+        tracer, start, tension = self.buckled(mode, mirror)
+        stop = self._stop_in_plane() if odd is None else end_reason(self.delta_limit)
+        points, reason = collect(tracer, start, stop)
+        path = Path(name, tracer, odd, points, begins=f"straight rod, t = {tension:.6f}")
+        self._close(path, reason)
+        return path
+
+    def buckled(self, mode: Mirror, mirror: Mirror) -> tuple[Tracer, Point, float]:
+        """The first point of the path that leaves the straight rod, and the buckling tension."""
         control = self.control
         tension = buckling_tensions(self.parameters, mode)[0]
         held = col.NODE_0 + 1
@@ -130,12 +144,7 @@ class Catalogue:
             control.resolution,
         )
         tracer = self.tracer(mirror)
-        start = tracer.begin(settled, frozen(held))
-        stop = self._stop_in_plane() if odd is None else end_reason(self.delta_limit)
-        points, reason = collect(tracer, start, stop)
-        path = Path(name, tracer, odd, points, begins=f"straight rod, t = {tension:.6f}")
-        self._close(path, reason)
-        return path
+        return tracer, tracer.begin(settled, frozen(held)), tension
 
     def _close(self, path: Path, reason: object) -> None:
         """Finish a path: its end state, special points and reason."""
@@ -157,21 +166,29 @@ class Catalogue:
         return stop
 
     def space_path(self, name: str, origin: Path, number: int, side: float = 1.0) -> Path:
-        """The path that leaves a planar one at its special point ``number``, up to the next plane."""
+        """The path that leaves a planar one at its special point ``number``, up to the next
+        plane."""
         special = origin.specials[number][1]
-        settled, outward = branch_off(special, self.control.tolerance, side)
-        tracer = self.tracer(FULL)
-        start = tracer.begin(settled, outward)
-        points, reason = collect(tracer, start, self._stop_in_plane())
+        tracer, points, reason = self.leave(origin, number, side)
         path = Path(name, tracer, None, points, begins=f"pitchfork of {origin.name}")
+        self.paths[name] = path
         path.joints.append((True, origin.tracer, special, origin.name))
         origin.partners[number] = name
         self._close(path, reason)
         self._join(path, reason)
         return path
 
+    def leave(
+        self, origin: Path, number: int, side: float = 1.0
+    ) -> tuple[Tracer, list[Point], object]:
+        """The points of ``space_path``, and the plane crossed or the reason of its end."""
+        settled, outward = branch_off(origin.specials[number][1], self.control.tolerance, side)
+        tracer = self.tracer(FULL)
+        return tracer, *collect(tracer, tracer.begin(settled, outward), self._stop_in_plane())
+
     def _join(self, path: Path, reason: object) -> None:
-        """If a space path ended in a plane, trace the planar path there and cut the space path at it."""
+        """If a space path ended in a plane, trace the planar path there and cut the space path at
+        it."""
         if not isinstance(reason, tuple):
             return
         even, odd = reason
@@ -180,26 +197,45 @@ class Catalogue:
         except NotConverged as error:
             path.ends = f"met a plane, but no planar state was found there: {error}"
             return
-        name = f"L{round(loops(flat.state))}" if even.name != S_EVEN.name else "S"
-        if name in self.paths:
-            name += "'"
-        planar = self.paths[name] = self._both_ways(name, even, odd, flat)
-        delta = flat.state.end_shortening
-        number, joint = min(
-            planar.pitchforks,
-            key=lambda item: abs(item[1].point.state.end_shortening - delta),
-            default=(None, None),
-        )
-        if joint is None or number is None:
-            path.ends = f"met {name}, where no pitchfork was found"
-            return
+        known = self._nearest_joint(even, flat.state, JOINT_DISTANCE)
+        if known is None:
+            name = f"L{round(loops(flat.state))}" if even.name != S_EVEN.name else "S"
+            while name in self.paths:
+                name += "'"
+            planar = self.paths[name] = self._both_ways(name, even, odd, flat)
+            known = self._nearest_joint(even, flat.state, np.inf)
+            if known is None:
+                path.ends = f"met {name}, where no pitchfork was found"
+                return
+        planar, number, joint = known
+        name = planar.name
         planar.partners[number] = path.name
         path.joints.append((False, planar.tracer, joint, name))
         path.ends = f"pitchfork of {name}"
         path.points.pop()
         path.specials = [s for s in path.specials if s[0] < len(path.points) - 1]
 
-    def _both_ways(self, name: str, even: Mirror, odd: Mirror, settled) -> Path:  # type: ignore[no-untyped-def]
+    def _nearest_joint(
+        self, even: Mirror, state: HalfRod, limit: float
+    ) -> tuple[Path, int, SpecialPoint] | None:
+        """The pitchfork of a planar path already traced that lies at a planar state, if any.
+
+        A plane turned by pi has the same numbers, so numbers are compared and not unknowns.
+        """
+        here = np.array([state.end_shortening, state.end_tension / state.scalars[5], state.sigma])
+        best, nearest = None, limit
+        for planar in self.paths.values():
+            if planar.tracer.mirror is not even:
+                continue
+            for number, special in planar.pitchforks:
+                there = special.point.state
+                numbers = [there.end_shortening, there.end_tension / there.scalars[5], there.sigma]
+                distance = float(np.abs(here - numbers).max())
+                if distance < nearest:
+                    best, nearest = (planar, number, special), distance
+        return best
+
+    def _both_ways(self, name: str, even: Mirror, odd: Mirror, settled: Settled) -> Path:
         """A planar path through a settled state, its points in the sense of growing delta there."""
         tracer = self.tracer(even)
         forward = frozen(col.DELTA)
@@ -221,14 +257,13 @@ class Catalogue:
     def succession(self) -> Iterator[Path]:
         """3D, L_j, 3D-Lj, L_k, ...: the paths of lowest energy, until the outer rod runs out."""
         if self.twisted:
-            path = self._from_straight("3D", STRAIGHT_TWISTED, FULL, None)
+            path = self.paths["3D"] = self._from_straight("3D", STRAIGHT_TWISTED, FULL, None)
             self._join_first(path)
         else:
             origin = self.ax()
             if not origin.pitchforks:
                 return
             path = self.space_path("3D", origin, origin.pitchforks[0][0])
-        self.paths[path.name] = path
         yield path
         for _ in range(SUCCESSION_LIMIT):
             if len(path.joints) == 0 or path.joints[-1][0]:
@@ -242,7 +277,6 @@ class Catalogue:
             if not later:
                 return
             path = self.space_path(f"3D-{planar.name}", planar, later[0][0])
-            self.paths[path.name] = path
             yield path
 
     def _join_first(self, path: Path) -> None:
@@ -318,20 +352,19 @@ class Catalogue:
                 path = self.space_path(f"Tri{count}", origin, number)
             except NotConverged:
                 continue
-            self.paths[path.name] = path
             yield path
 
     # --- results ---------------------------------------------------------------------------------
 
-    def store(self, path: Path) -> Branch:
-        """A path with every point refined and its error estimated."""
+    def store(self, path: Path, count_modes: bool = True) -> Branch:
+        """A path with every point refined, its error estimated and its unstable modes counted."""
         specials = {id(s): i for i, (_, s) in enumerate(path.specials)}
         even = path.tracer.mirror
         branch = Branch(path.name, even, [], begins=path.begins, ends=path.ends)
         for at_start, tracer, joint, partner in path.joints:
             if at_start:
                 branch.bifurcations.append(Bifurcation(0, "pitchfork", partner, joint.function))
-                branch.points.append(stored(tracer, joint.point, "pitchfork"))
+                branch.points.append(stored(tracer, joint.point, "pitchfork", count_modes))
         for point, special in merged(path.points, path.specials):
             label = special.kind if special else ""
             if special:
@@ -339,11 +372,11 @@ class Catalogue:
                 branch.bifurcations.append(
                     Bifurcation(len(branch.points), special.kind, partner, special.function)
                 )
-            branch.points.append(stored(path.tracer, point, label))
+            branch.points.append(stored(path.tracer, point, label, count_modes))
         for at_start, tracer, joint, partner in path.joints:
             if not at_start:
                 branch.bifurcations.append(
                     Bifurcation(len(branch.points), "pitchfork", partner, joint.function)
                 )
-                branch.points.append(stored(tracer, joint.point, "pitchfork"))
+                branch.points.append(stored(tracer, joint.point, "pitchfork", count_modes))
         return branch

@@ -1,8 +1,9 @@
 """Elimination of a chain of condensed elements: orthogonal, so stable for any growth along the rod.
 
-The elements say  A_i Y_i + B_i p - Y_{i+1} = -r_i. Pairs of neighbouring relations are merged by a QR
-factorisation (Wright's structured elimination) until one relation  E Y_0 + F Y_N + B p = r  is left.
-Plain transfer (Y_N as a function of Y_0) would lose exp(sqrt(t) l/2) digits in the outer rod.
+The elements say  A_i Y_i + B_i p - Y_{i+1} = -r_i. Pairs of neighbouring relations are merged by
+a QR factorisation (Wright's structured elimination) until one relation  E Y_0 + F Y_N + B p = r
+is left. Plain transfer (Y_N as a function of Y_0) would lose exp(sqrt(t) l/2) digits in the outer
+rod.
 """
 
 from __future__ import annotations
@@ -13,7 +14,8 @@ from numba import njit
 
 @njit(cache=True, error_model="numpy")
 def _householder(T, rows, columns, width):  # type: ignore[no-untyped-def]
-    """Triangularise the first ``columns`` columns of T (rows, width) in place; True if R has a negative determinant."""
+    """Triangularise the first ``columns`` columns of T (rows, width) in place; True if R has a
+    negative determinant."""
     negative = False
     for c in range(columns):
         norm = 0.0
@@ -42,10 +44,10 @@ def _householder(T, rows, columns, width):  # type: ignore[no-untyped-def]
 def reduce_chain(A, r, first, last, rows, inputs, out, kept):  # type: ignore[no-untyped-def]
     """Merge elements first..last-1.
 
-    A (E, 10, 14), r (E, 10) from ``condense``; rows (d,) the state components of this mirror class, inputs (c,)
-    its parameter columns (10..13). kept (E, d, 3d + c + 1): what back-substitution needs.
-    Writes out (d, 2d + c + 1), the relation [E | F | B | r]; returns True where the eliminated
-    triangles flip the determinant's sign.
+    A (E, 10, 14), r (E, 10) from ``condense``; rows (d,) the state components of this mirror
+    class, inputs (c,) its parameter columns (10..13). kept (E, d, 3d + c + 1): what
+    back-substitution needs. Writes out (d, 2d + c + 1), the relation [E | F | B | r]; returns
+    True where the eliminated triangles flip the determinant's sign.
     """
     d = rows.size
     c = inputs.size
@@ -88,8 +90,9 @@ def reduce_chain(A, r, first, last, rows, inputs, out, kept):  # type: ignore[no
 def expand_chain(kept, first, last, node, rows, inputs, dp, own, dY):  # type: ignore[no-untyped-def]
     """Back-substitution: interior node increments from those of the chain's two ends.
 
-    node: index in dY (nodes, 10) of the chain's first node, whose increment and that of its last node are
-    already there; dp (4,) parameter increments; own = 1 for a Newton step, 0 for a derivative.
+    node: index in dY (nodes, 10) of the chain's first node, whose increment and that of its last
+    node are already there; dp (4,) parameter increments; own = 1 for a Newton step, 0 for a
+    derivative.
     """
     d = rows.size
     c = inputs.size

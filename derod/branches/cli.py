@@ -27,7 +27,7 @@ def add_branch_parser(subparsers: Any) -> argparse.ArgumentParser:
         "--tolerance", type=float, default=1e-10, help="largest residual of any equation (1e-10)"
     )
     parser.add_argument(
-        "--max-step", type=float, default=0.18, help="largest step of arclength (0.18)"
+        "--max-step", type=float, default=0.22, help="largest step of arclength (0.22)"
     )
     parser.add_argument(
         "--accuracy",
@@ -127,8 +127,8 @@ def add_compare_parser(subparsers: Any) -> argparse.ArgumentParser:
     parser: argparse.ArgumentParser = subparsers.add_parser(
         "compare",
         help="hold a push run against the branches",
-        description="For each row of a run: the branch it lies on, and the errors of tension, energy, "
-        "wetted length and shape. Exit code 1 where an error exceeds the tolerance.",
+        description="For each row of a run: the branch it lies on, and the errors of tension, "
+        "energy, wetted length and shape. Exit code 1 where an error exceeds the tolerance.",
     )
     parser.add_argument("run", help="run file (*.h5) of derod push")
     parser.add_argument("branches", help="branch file (*.h5) of derod branch")
@@ -136,7 +136,8 @@ def add_compare_parser(subparsers: Any) -> argparse.ArgumentParser:
         "--tolerance",
         type=float,
         default=5e-4,
-        help="largest relative error of t and E_hat allowed (5e-4); wetted length and shape: twice that, in D",
+        help="largest relative error of t and E_hat allowed (5e-4); wetted length and "
+        "shape: twice that, in D",
     )
     parser.add_argument("--every", type=int, default=1, help="compare every n-th row (1)")
     parser.add_argument("--quiet", action="store_true", help="print the worst of each only")

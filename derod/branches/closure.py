@@ -40,9 +40,11 @@ CX, CZ, U3, SIGMA, DELTA, FGAMMA = 30, 31, 32, 33, 34, 35
 
 @njit(cache=True, error_model="numpy")
 def jump(y, capillary, wall, out, jacobian):  # type: ignore[no-untyped-def]
-    """State after the meniscus: n+ = n- + (f_gamma - v) w / (w . d_3), i.e. 2 f_B w with eq:bcnd-end's f_B.
+    """State after the meniscus: n+ = n- + (f_gamma - v) w / (w . d_3), i.e. 2 f_B w with
+    eq:bcnd-end's f_B.
 
-    Writes out (10,) and jacobian (10, 11): with respect to y, then f_gamma. Returns f_B. v(sigma) = v0/rho is ``wall``.
+    Writes out (10,) and jacobian (10, 11): with respect to y, then f_gamma. Returns f_B. v(sigma)
+    = v0/rho is ``wall``.
     """
     t = np.empty(3)
     E = np.empty((3, 4))

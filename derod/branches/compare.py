@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from derod.branches.landing import Landing, center_line, estimate, land, sheets
-from derod.branches.newton import NotConverged
+from derod.branches.outcome import NotConverged
 from derod.branches.parameters import Parameters
 from derod.branches.record import BranchFile, open_branches
 from derod.errors import DerodError, SceneError
@@ -44,7 +44,8 @@ def relative(value: float, reference: float) -> float:
 
 
 def shape_distance(a: np.ndarray, b: np.ndarray) -> float:
-    """Largest distance of two centre lines (k, 3) after turning ``b`` about e_z, or its mirror image.
+    """Largest distance of two centre lines (k, 3) after turning ``b`` about e_z, or its mirror
+    image.
 
     Branches of space curves come in mirror pairs of equal energy; a run may have picked either.
     """
@@ -103,9 +104,9 @@ def compare(run: Any, file: BranchFile, every: int = 1) -> np.ndarray:
     """Compare the rows of a run with branches of the same rod: an array of ROW.
 
     ``run`` is what ``derod.open_run`` gives. Each row is held against the branch states at its own
-    end-shortening (solved there, not interpolated); the nearest wins. Rows further than ON_BRANCH from
-    every branch have branch "" and the errors to the nearest (nan if there is none). Raises SceneError
-    where the run's parameters are not the branches'.
+    end-shortening (solved there, not interpolated); the nearest wins. Rows further than ON_BRANCH
+    from every branch have branch "" and the errors to the nearest (nan if there is none). Raises
+    SceneError where the run's parameters are not the branches'.
     """
     check_same_rod(run, file)
     picked = range(0, len(run), every)
@@ -173,7 +174,8 @@ def report(result: np.ndarray, quiet: bool) -> str:
 
 
 def exceeds(result: np.ndarray, tolerance: float) -> bool:
-    """Whether t or E_hat is off by more than ``tolerance``, lengths by more than twice that, or a row by a branch."""
+    """Whether t or E_hat is off by more than ``tolerance``, lengths by more than twice that, or a
+    row by a branch."""
     limits = dict(zip(ERRORS, (tolerance, tolerance, 2 * tolerance, 2 * tolerance), strict=True))
     if np.any(result["branch"] == ""):
         return True

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable
 from derod.branches.arc import Control
 from derod.branches.branch import Branch
 from derod.branches.catalogue import Catalogue, Path, PathNotFound
-from derod.branches.newton import NotConverged
+from derod.branches.outcome import NotConverged
 from derod.branches.parameters import Parameters
 from derod.branches.straight import NoBuckling
 
@@ -80,13 +80,13 @@ def compute_branches(
     branches = []
     for name, path in catalogue.paths.items():
         if wanted(name, asked):
-            branch = catalogue.store(path)
-            branches.append(branch)
+            branches.append(catalogue.store(path, count_modes))
     if paths is not None:
         found = [branch.name for branch in branches]
-        for one in asked:
-            if not any(wanted(name, [one]) for name in found):
-                complaints.append(
-                    f"{one}: not met by the paths followed ({', '.join(catalogue.paths)})"
-                )
+        followed = ", ".join(catalogue.paths)
+        complaints += [
+            f"{one}: not met by the paths followed ({followed})"
+            for one in asked
+            if not any(wanted(name, [one]) for name in found)
+        ]
     return branches, complaints

@@ -1,4 +1,5 @@
-"""Branches as the text table that AUTO users expect: the columns of a b.-file with labelled special points."""
+"""Branches as the text table that AUTO users expect: the columns of a b.-file with labelled
+special points."""
 
 from __future__ import annotations
 
@@ -24,8 +25,8 @@ COLUMNS = (
 def auto_table(file: BranchFile) -> str:
     """All branches of a file: BR PT TY LAB and the COLUMNS, one line a point.
 
-    As in AUTO, PT is negative on points with no unstable mode, TY and LAB are zero on ordinary points,
-    lines of a header start with branch number 0.
+    As in AUTO, PT is negative on points with no unstable mode, TY and LAB are zero on ordinary
+    points, lines of a header start with branch number 0.
     """
     label = 0
     lines = [f"   0 derod branches of {_constants(file)}"]

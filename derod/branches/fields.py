@@ -15,7 +15,8 @@ from derod.branches.state import HalfRod
 
 @dataclass(frozen=True)
 class Fields:
-    """Quantities at the Gauss points: (E, m, 3) except ``rates`` (E, m, 10), d/ds of the node state."""
+    """Quantities at the Gauss points: (E, m, 3) except ``rates`` (E, m, 10), d/ds of the node
+    state."""
 
     tangents: np.ndarray
     places: np.ndarray  # w = r - r_C
@@ -73,7 +74,8 @@ def evaluate_fields(state: HalfRod) -> Fields:
 
 @cache
 def _primitives() -> np.ndarray:
-    """Coefficients (m, m+1), lowest first, of the integrals of the Lagrange basis through the Gauss points."""
+    """Coefficients (m, m+1), lowest first, of the integrals of the Lagrange basis through the
+    Gauss points."""
     out = np.zeros((STAGES, STAGES + 1))
     for k in range(STAGES):
         others = np.delete(NODES, k)

@@ -9,7 +9,8 @@ STAGES = 5
 
 
 def lagrange_integrals(points: np.ndarray, upper: np.ndarray) -> np.ndarray:
-    """Integrals from 0 to upper[j] of the Lagrange basis through ``points``: (len(upper), len(points))."""
+    """Integrals from 0 to upper[j] of the Lagrange basis through ``points``: (len(upper),
+    len(points))."""
     count = len(points)
     out = np.empty((len(upper), count))
     for k in range(count):

@@ -10,8 +10,9 @@ from derod.branches import closure as col
 from derod.branches.arc import frozen
 from derod.branches.fields import evaluate_fields, interpolate
 from derod.branches.mirror import FULL, PLANES, Mirror
-from derod.branches.newton import NotConverged, Settled, settle
+from derod.branches.newton import Settled, settle
 from derod.branches.observables import observables
+from derod.branches.outcome import NotConverged
 from derod.branches.record import SCALED, StoredBranch
 from derod.branches.state import HalfRod
 
@@ -98,7 +99,8 @@ def _walk(state: HalfRod, mirror: Mirror, delta: float) -> Settled:
 
 
 def center_line(state: HalfRod, s: np.ndarray) -> np.ndarray:
-    """Places (k, 3) of the whole rod at arc lengths ``s`` (k,) from the first clamp (at the origin), D."""
+    """Places (k, 3) of the whole rod at arc lengths ``s`` (k,) from the first clamp (at the
+    origin), D."""
     half = 0.5 * state.parameters.length
     from_middle = np.asarray(s, dtype=float) - half
     nodes = np.delete(state.node_arc_length, state.inner + 1)

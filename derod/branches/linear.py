@@ -9,7 +9,8 @@ import numpy as np
 from derod.branches import closure as col
 from derod.branches.chain import expand_chain, expand_stages, reduce_chain
 from derod.branches.closure import KEPT, ROWS, conditions, jump
-from derod.branches.element import INPUTS, PARAMETERS, STATE, condense
+from derod.branches.condense import condense
+from derod.branches.element import INPUTS, PARAMETERS, STATE
 from derod.branches.gauss import STAGES
 from derod.branches.mirror import FULL, Mirror
 from derod.branches.state import HalfRod, Increment
@@ -76,8 +77,8 @@ def linearise(state: HalfRod) -> Elements:
 class Reduced:
     """The chain of one mirror class eliminated to a dense system in the kept unknowns.
 
-    ``matrix`` (e, 36) and ``right`` (e,): chain relations and conditions of this class, all columns.
-    ``columns``: the kept unknowns of this class, without delta and f_gamma.
+    ``matrix`` (e, 36) and ``right`` (e,): chain relations and conditions of this class, all
+    columns. ``columns``: the kept unknowns of this class, without delta and f_gamma.
     """
 
     def __init__(self, elements: Elements, mirror: Mirror = FULL) -> None:
@@ -116,13 +117,15 @@ class Reduced:
         return self.matrix[:, self.columns]
 
     def determinant(self) -> float:
-        """Determinant of the square block with the sign of the whole Jacobian's block (odd classes)."""
+        """Determinant of the square block with the sign of the whole Jacobian's block (odd
+        classes)."""
         return self.sign * float(np.linalg.det(self.square()))
 
     def solve(self, closing: np.ndarray, values: np.ndarray) -> np.ndarray:
         """Kept unknowns' increments (k, 36) for rows ``closing`` (2, 36) with right-hand sides.
 
-        ``values`` (k, 3): the two closing rows' values, and 1 for a Newton step or 0 for a derivative.
+        ``values`` (k, 3): the two closing rows' values, and 1 for a Newton step or 0 for a
+        derivative.
         """
         columns = np.concatenate([self.columns, [col.DELTA, col.FGAMMA]])
         matrix = np.vstack([self.matrix[:, columns], closing[:, columns]])

@@ -1,4 +1,5 @@
-"""Meshes that follow a state: how fast things vary along the rod, and moving a state to a new mesh."""
+"""Meshes that follow a state: how fast things vary along the rod, and moving a state to a new
+mesh."""
 
 from __future__ import annotations
 
@@ -8,20 +9,29 @@ import numpy as np
 
 from derod.branches.fields import Fields, evaluate_fields, interpolate
 from derod.branches.gauss import NODES, STAGES
+from derod.branches.outcome import NotConverged
 from derod.branches.state import HalfRod
 
-RESOLUTION = 1.8
+RESOLUTION = 1.35
 """Elements per natural length of the local linearised rod."""
+CONE = 1.0
+"""Weight of 1/r, times v0^(1/10): an element of length h sees a share (h/r)^10 of the kink v0."""
+POLE = 1.0
+"""Weight of |dr/ds|/gap beside 1/r: near the meniscus v(s) has a pole gap/2 further out."""
 GRADING = 0.35
 """Largest change of the target element length per unit of arc length (in element lengths)."""
 DRIFT = 1.35
-"""A mesh is replaced when an element holds this much more than the mean of the density's integral."""
+"""A mesh is replaced when an element holds this much more than the mean of the density's
+integral."""
 LEAST_ELEMENTS = 8
+MOST_ELEMENTS = 4000
+"""On each of the two intervals; only a state outside its wall layer's reach asks for more."""
 
 
 def density(state: HalfRod, fields: Fields) -> np.ndarray:
-    """Inverse natural length at the Gauss points (E, m): turning |m|, tension |n|^(1/2), wall stiffness
-    (d^2v/dr^2)^(1/4) and the wall's cone 1/r; outside the drop it decays with the boundary layer."""
+    """Inverse natural length at the Gauss points (E, m): turning |m|, tension |n|^(1/2), wall
+    stiffness (d^2v/dr^2)^(1/4), the wall's cone 1/r and its pole; outside the drop it decays with
+    the boundary layer. Raises NotConverged for a state outside the wall."""
     prm = state.parameters
     turning = np.linalg.norm(fields.moments, axis=2)
     tension = np.sqrt(np.linalg.norm(fields.forces, axis=2))
@@ -29,7 +39,12 @@ def density(state: HalfRod, fields: Fields) -> np.ndarray:
     out = 1.0 + turning + tension
     wet = slice(None, state.inner)
     gap = 1.0 + prm.wall_softness - 2.0 * radius[wet]
-    out[wet] += (8.0 * prm.wall_strength / gap**3) ** 0.25 + 0.6 / (radius[wet] + 1e-3)
+    if not gap.min() > 0.0:
+        raise NotConverged("a Gauss point lies outside the wall")
+    crossing = np.abs(np.einsum("eki,eki->ek", fields.places, fields.tangents)[wet]) / radius[wet]
+    kink = 1.0 / (radius[wet] + 1e-3) + POLE * crossing / gap
+    out[wet] += (8.0 * prm.wall_strength / gap**3) ** 0.25
+    out[wet] += CONE * prm.wall_strength**0.1 * kink
     s = state.node_arc_length
     left = s[:-1][np.arange(s.size - 1) != state.inner]
     points = left[:, None] + state.lengths[:, None] * NODES
@@ -40,7 +55,8 @@ def density(state: HalfRod, fields: Fields) -> np.ndarray:
 
 
 def _graded(points: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """The least density above ``values`` whose inverse changes by at most GRADING per unit length."""
+    """The least density above ``values`` whose inverse changes by at most GRADING per unit
+    length."""
     h = 1.0 / values
     slope = GRADING * points
     forward = slope + np.minimum.accumulate(h - slope)
@@ -85,10 +101,14 @@ def drifted(state: HalfRod, resolution: float = RESOLUTION) -> bool:
 
 
 def adapted(state: HalfRod, resolution: float = RESOLUTION) -> HalfRod:
-    """The state on a mesh that equidistributes the density, ``resolution`` elements per unit of it."""
+    """The state on a mesh that equidistributes the density, ``resolution`` elements per unit of
+    it. Raises NotConverged where the density asks for more than MOST_ELEMENTS."""
     etas = []
     for knots, area, _, length in _halves(state):
-        count = max(LEAST_ELEMENTS, int(np.ceil(area[-1] * resolution)))
+        wanted = area[-1] * resolution
+        if not wanted <= MOST_ELEMENTS:
+            raise NotConverged(f"the wall layer asks for {wanted:.0f} elements")
+        count = max(LEAST_ELEMENTS, int(np.ceil(wanted)))
         ends = np.interp(np.linspace(0.0, area[-1], count + 1), area, knots) / length
         ends[0], ends[-1] = 0.0, 1.0
         etas.append(np.diff(ends))

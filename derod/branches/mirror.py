@@ -1,9 +1,11 @@
-"""Mirror classes: which unknowns and conditions belong to planar states and to perturbations of them.
+"""Mirror classes: which unknowns and conditions belong to planar states and to perturbations of
+them.
 
-A planar state has exact zeros in the odd class; the Jacobian splits into an even and an odd block, and
-a pitchfork is a zero of the odd block's determinant. Loop planes of paths Ax, L_j are the y-z plane
-(d_1 points out of it), that of Pt is the x-z plane. In states of the y-z plane q has the components
-(q_w, q_x) where the middle tangent is +e_z, (q_y, q_z) where it is -e_z (odd numbers of loops).
+A planar state has exact zeros in the odd class; the Jacobian splits into an even and an odd
+block, and a pitchfork is a zero of the odd block's determinant. Loop planes of paths Ax, L_j are
+the y-z plane (d_1 points out of it), that of Pt is the x-z plane. In states of the y-z plane q
+has the components (q_w, q_x) where the middle tangent is +e_z, (q_y, q_z) where it is -e_z (odd
+numbers of loops).
 """
 
 from __future__ import annotations

@@ -9,16 +9,13 @@ import numpy as np
 from derod.branches.fields import evaluate_fields
 from derod.branches.linear import Reduced, linearise
 from derod.branches.mirror import Mirror
+from derod.branches.outcome import NotConverged
 from derod.branches.state import HalfRod
 
 TOLERANCE = 1e-10
 MAX_ITERATIONS = 8
 WALL_SHARE = 0.2
 """No step may shrink the least gap to the wall below this share of it."""
-
-
-class NotConverged(ArithmeticError):  # noqa: N818 - an outcome the continuation answers with a shorter step
-    """Newton's method did not reach its tolerance."""
 
 
 @dataclass(frozen=True)
@@ -40,8 +37,9 @@ def settle(
 ) -> Settled:
     """Solve the half-rod equations closed by ``closing`` (2, 36) . kept unknowns = ``values`` (2,).
 
-    Ends when no equation's residual exceeds ``tolerance``; the linearisation returned is that of the
-    final state. Raises NotConverged after ``max_iterations``, at the wall, or on a singular matrix.
+    Ends when no equation's residual exceeds ``tolerance``; the linearisation returned is that of
+    the final state. Raises NotConverged after ``max_iterations``, at the wall, or on a singular
+    matrix.
     """
     for iteration in range(max_iterations + 1):
         elements = linearise(state)

@@ -11,11 +11,12 @@ from derod.branches.state import HalfRod
 
 
 def observables(state: HalfRod) -> dict[str, float]:
-    """End-shortening, tension, energies (K0/D), wetted length, meniscus force and drop_y of a state.
+    """End-shortening, tension, energies (K0/D), wetted length, meniscus force and drop_y of a
+    state.
 
     Energies are of the whole rod. E_tot = bend + twist + wall - f_gamma (s_B - s_A),
-    E_hat = E_tot + f_gamma (delta + 1); meniscus_force is f_B (eq:bcnd-end, toward the drop's centre);
-    drop_y is y_C, measured from the clamp axis.
+    E_hat = E_tot + f_gamma (delta + 1); meniscus_force is f_B (eq:bcnd-end, toward the drop's
+    centre); drop_y is y_C, measured from the clamp axis.
     """
     prm = state.parameters
     fields = evaluate_fields(state)

@@ -25,7 +25,8 @@ class Parameters:
     wall_softness: float = 0.1  # rho
     end_rotation: float = 0.0  # R
     bending: float = 1.0
-    """K/K0: all of the above is in units of K; what is reported is multiplied back to units of K0."""
+    """K/K0: all of the above is in units of K; what is reported is multiplied back to units of
+    K0."""
 
     @property
     def meniscus_wall(self) -> float:
@@ -45,8 +46,9 @@ class Parameters:
     def from_scene(cls, scene: Scene) -> Parameters:
         """Take the numbers of a scene, forces divided by its bending stiffness.
 
-        Raises SceneError for a drop with weight or a rod with two bending stiffnesses: the
-        flip-symmetric equations hold for isotropic rods and weightless drops only.
+        Raises SceneError for a drop with weight or a rod with two bending stiffnesses (the
+        flip-symmetric equations hold for isotropic rods and weightless drops only), and for a drop
+        without capillary force or wall.
         """
         bending = scene.rod.bending
         if not isinstance(bending, int | float):
@@ -65,6 +67,16 @@ class Parameters:
                 value=scene.drop.weight,
                 allowed="0",
             )
+        for key in ("capillary_force", "wall_strength"):
+            value = getattr(scene.drop, key)
+            if not value > 0.0:
+                raise SceneError(
+                    "has no branches: without it no coil forms inside the drop",
+                    file=scene.path,
+                    key=f"drop.{key}",
+                    value=value,
+                    allowed="> 0",
+                )
         return cls(
             length=scene.rod.length,
             twisting=scene.rod.twisting / bending,

@@ -1,9 +1,11 @@
-"""Branch files (HDF5): one group a branch, everything needed to draw it, compare with it, restart from it.
+"""Branch files (HDF5): one group a branch, everything needed to draw it, compare with it, restart
+from it.
 
-Layout: attributes ``format``, ``parameters`` (one dataset of the dimensionless numbers), ``scene`` (its
-text); ``branches/NAME`` with ``table`` (one row a point), ``nodes`` and ``eta`` (the half rod's node
-states and element lengths of all points, one after another) and ``bifurcations``. Written to a
-temporary name and moved into place, so that a file is complete or absent.
+Layout: attributes ``format``, ``parameters`` (one dataset of the dimensionless numbers),
+``scene`` (its text); ``branches/NAME`` with ``table`` (one row a point), ``nodes`` and ``eta``
+(the half rod's node states and element lengths of all points, one after another) and
+``bifurcations``. Written to a temporary name and moved into place, so that a file is complete or
+absent.
 """
 
 from __future__ import annotations
@@ -16,7 +18,7 @@ from typing import TYPE_CHECKING
 import h5py
 import numpy as np
 
-from derod.branches.fields import evaluate_fields, interpolate
+from derod.branches.element import moment, quaternion_rate, tangent
 from derod.branches.gauss import NODES, STAGES
 from derod.branches.parameters import Parameters
 from derod.branches.state import HalfRod
@@ -123,7 +125,8 @@ def _write_branch(group: h5py.Group, branch: Branch) -> None:
 
 
 class StoredBranch:
-    """One branch of a file. ``table``: structured array (POINT). ``bifurcations``: (BIFURCATION)."""
+    """One branch of a file. ``table``: structured array (POINT). ``bifurcations``:
+    (BIFURCATION)."""
 
     def __init__(self, name: str, group: h5py.Group, parameters: Parameters) -> None:
         self.name = name
@@ -142,7 +145,8 @@ class StoredBranch:
         return len(self.table)
 
     def state(self, i: int) -> HalfRod:
-        """The half-rod state of point i; its stages are interpolated (settle it before reading t or E off it)."""
+        """The half-rod state of point i; its stages are interpolated (settle it before reading t
+        or E off it)."""
         i = range(len(self))[i]
         row = self.table[i]
         first, last = self._start[i], self._start[i + 1]
@@ -162,13 +166,19 @@ class StoredBranch:
     def half_rod(self, i: int, subdivisions: int = 3) -> tuple[np.ndarray, np.ndarray]:
         """Arc length (k,) from the middle and places w = r - r_C (k, 3) of half a rod, D."""
         state = self.state(i)
-        fields_ = evaluate_fields(state)
-        at = np.tile(np.arange(subdivisions) / subdivisions, state.eta.size)
-        element = np.repeat(np.arange(state.eta.size), subdivisions)
-        places = interpolate(state, fields_, element, at)[:, :3]
+        left = np.arange(state.eta.size) + (np.arange(state.eta.size) >= state.inner)
+        places = state.nodes[:, :3]
+        slopes, bends = _directions(state)
+        x = (np.arange(subdivisions) / subdivisions)[None, :, None]
+        h = state.lengths[:, None, None]
+        value, rate, curvature = places[:, None], slopes[:, None], bends[:, None]
+        a, b, c, d, e, f = _quintic(x)
+        curve = a * value[left] + h * b * rate[left] + h * h * c * curvature[left]
+        right = left + 1
+        curve += d * value[right] + h * e * rate[right] + h * h * f * curvature[right]
         nodes = np.delete(state.node_arc_length, state.inner + 1)
-        s = nodes[element] + state.lengths[element] * at
-        return np.append(s, nodes[-1]), np.vstack([places, state.nodes[-1, :3]])
+        s = nodes[:-1, None] + state.lengths[:, None] * x[0, :, 0]
+        return np.append(s, nodes[-1]), np.vstack([curve.reshape(-1, 3), places[-1]])
 
     def arc_length(self, i: int) -> np.ndarray:
         """Arc length (2k-1,) of ``positions(i)`` from the first clamp, D."""
@@ -196,10 +206,28 @@ class StoredBranch:
         )
 
 
+def _quintic(x: np.ndarray) -> tuple[np.ndarray, ...]:
+    """Hermite weights at x in [0, 1] of value, slope, curvature at 0, then at 1."""
+    y = 1.0 - x
+    value = y**3 * (1.0 + 3.0 * x + 6.0 * x * x)
+    slope = x * y**3 * (1.0 + 3.0 * x)
+    bend = 0.5 * x * x * y**3
+    mirrored = x**3 * (1.0 + 3.0 * y + 6.0 * y * y)
+    return value, slope, bend, mirrored, -y * x**3 * (1.0 + 3.0 * y), 0.5 * y * y * x**3
+
+
+def _directions(state: HalfRod) -> tuple[np.ndarray, np.ndarray]:
+    """Tangents d_3 and their derivatives m x d_3 at the nodes, each (E+2, 3)."""
+    slopes, bends, m = np.empty((len(state.nodes), 3)), np.empty((len(state.nodes), 3)), np.empty(3)
+    for y, slope, bend in zip(state.nodes, slopes, bends, strict=True):
+        tangent(y[3:7], slope)
+        moment(state.scalars[0], state.scalars[1], y[0:3], y[7:10], m)
+        bend[:] = np.cross(m, slope)
+    return slopes, bends
+
+
 def _stage_guess(state: HalfRod) -> np.ndarray:
     """Stage quaternions by cubic Hermite interpolation of the node quaternions."""
-    from derod.branches.element import moment, quaternion_rate
-
     prm = state.parameters
     twist = (1.0 - prm.twisting) * state.scalars[2]
     rates = np.empty((len(state.nodes), 4))
@@ -218,7 +246,8 @@ def _stage_guess(state: HalfRod) -> np.ndarray:
 
 
 class BranchFile:
-    """An open branch file: a mapping from names to ``StoredBranch``. Use it as a context or close it."""
+    """An open branch file: a mapping from names to ``StoredBranch``. Use it as a context or close
+    it."""
 
     def __init__(self, path: str | Path) -> None:
         self.path = Path(path)
@@ -282,8 +311,8 @@ class BranchFile:
 def open_branches(path: str | Path) -> BranchFile:
     """Open a branch file (``derod branch``) for reading.
 
-    ``file["3D"].table`` has the fields of POINT (units: D, K0/D^2, K0/D), ``.positions(i)`` (2k-1, 3) the centre
-    line, ``.arc_length(i)``, ``.drop_center(i)`` (3,), ``.bifurcations`` the special points.
-    Raises RecordError.
+    ``file["3D"].table`` has the fields of POINT (units: D, K0/D^2, K0/D), ``.positions(i)``
+    (2k-1, 3) the centre line, ``.arc_length(i)``, ``.drop_center(i)`` (3,), ``.bifurcations`` the
+    special points. Raises RecordError.
     """
     return BranchFile(path)

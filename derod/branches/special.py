@@ -12,7 +12,8 @@ from derod.branches import closure as col
 from derod.branches.arc import Point, Tracer, frozen
 from derod.branches.linear import Reduced
 from derod.branches.mirror import FULL, PLANES, Mirror
-from derod.branches.newton import NotConverged, Settled, settle
+from derod.branches.newton import Settled, settle
+from derod.branches.outcome import NotConverged
 from derod.branches.state import HalfRod, Increment
 from derod.branches.straight import null_increment
 
@@ -30,8 +31,8 @@ class SpuriousPoint(ArithmeticError):  # noqa: N818 - found by its function's va
 class SpecialPoint:
     """A fold, a pitchfork or the buckling of the straight rod on a branch.
 
-    kind: "fold", "pitchfork" or "buckling"; ``function`` is what is left of its test function, relative
-    to the bracket; ``mode``: null vector out of the plane, for pitchforks.
+    kind: "fold", "pitchfork" or "buckling"; ``function`` is what is left of its test function,
+    relative to the bracket; ``mode``: null vector out of the plane, for pitchforks.
     """
 
     kind: str
@@ -59,8 +60,8 @@ def locate(
 ) -> SpecialPoint:
     """The zero of a test function between two successive points, by Brent's method in arclength.
 
-    All evaluations start from ``left``, on its mesh; where the far end cannot be reached from there the
-    bracket is cut in two. Raises SpuriousPoint where the sign change has no zero.
+    All evaluations start from ``left``, on its mesh; where the far end cannot be reached from
+    there the bracket is cut in two. Raises SpuriousPoint where the sign change has no zero.
     """
     for _ in range(BISECTIONS):
         try:
@@ -100,10 +101,11 @@ def with_mode(special: SpecialPoint, odd: Mirror) -> SpecialPoint:
 def branch_off(
     special: SpecialPoint, control_tolerance: float, side: float = 1.0, amplitude: float = 0.02
 ) -> tuple[Settled, np.ndarray]:
-    """A state of the space path that leaves a planar one at a pitchfork, and its outward direction (36,).
+    """A state of the space path that leaves a planar one at a pitchfork, and its outward
+    direction (36,).
 
-    The largest kept component of the null vector is held at ``side * amplitude``; ``side`` = -1 gives
-    the mirror image.
+    The largest kept component of the null vector is held at ``side * amplitude``; ``side`` = -1
+    gives the mirror image.
     """
     mode = special.mode
     if mode is None:

@@ -17,8 +17,8 @@ class HalfRod:
     ``eta`` (E,): element lengths, fractions of [0, sigma] for the first ``inner`` elements and of
     [sigma, l/2] for the rest. ``nodes`` (E+2, 10): w = r - r_C, q, n at element ends, the meniscus
     twice (before and after the jump). ``stages`` (E, m, 4): quaternions at the Gauss points.
-    ``scalars`` (6,): c_x, c_z, u3, sigma, delta, f_gamma (f_gamma may differ from the parameters' own
-    while a path is sought at another capillary force).
+    ``scalars`` (6,): c_x, c_z, u3, sigma, delta, f_gamma (f_gamma may differ from the parameters'
+    own while a path is sought at another capillary force).
     """
 
     parameters: Parameters

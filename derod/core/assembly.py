@@ -281,12 +281,14 @@ def fill_border(physics, q, b, room):
 def fill_twist_and_turn(physics, kin, grad, q, b, border, corner):
     """Fill the last two border rows: the twisting moment and the turn about the clamp axis."""
     moment, turn = 8, 9
-    corner[moment, moment] = -physics.length / physics.twisting
+    twists = physics.twisting > 0
+    corner[moment, moment] = -physics.length / physics.twisting if twists else -1.0
     square = 0.0
     for i in range(1, q.shape[0] - 1):
         row = 4 * (i - 1)
         for k in range(3):
-            border[row + k, moment] = grad.holonomy[i, k] - grad.holonomy[i + 1, k]
+            if twists:
+                border[row + k, moment] = grad.holonomy[i, k] - grad.holonomy[i + 1, k]
         dual = 0.5 * (kin.rest[i] + kin.rest[i + 1])
         border[row, turn] = -dual * q[i, 1]
         border[row + 1, turn] = dual * q[i, 0]
