@@ -26,7 +26,9 @@ from derod.core.layout import S_A, S_B, X_C
 from derod.linalg.bordered import subtract_product
 
 STIFFNESS = 16.0  # of an edge of length h against stretch, times h^3: that of bending
-SAFETY = 1.4  # masses over what Gershgorin's circles ask for: the state moves on before they are renewed
+SAFETY = (
+    1.4  # masses over what Gershgorin's circles ask for: the state moves on before they are renewed
+)
 
 
 class Inertia(NamedTuple):

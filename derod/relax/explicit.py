@@ -43,6 +43,11 @@ class Explicit:
 
     def advance(self) -> Report:
         """Take a batch of steps with fresh masses."""
+        self.fill_masses()
+        return self.take_steps()
+
+    def fill_masses(self) -> None:
+        """Make the step 1 stable for the state as it is."""
         system, state = self.system, self.state
         system.gradient(state)
         masses.fill_masses(
@@ -55,6 +60,10 @@ class Explicit:
             system.factor,
             self.inertia,
         )
+
+    def take_steps(self) -> Report:
+        """Take a batch of steps."""
+        system, state = self.system, self.state
         done, state.holonomy, excess, residual, sound = explicit.explicit_steps(
             system.physics,
             system.mesh,

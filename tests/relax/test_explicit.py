@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from tests.scenes import coil
 
 from derod.core import explicit, masses
 from derod.guess import bent_guess
@@ -12,6 +11,7 @@ from derod.predict import predict
 from derod.relax import Outcome, make_relaxer, relax
 from derod.state import State
 from derod.system import System
+from tests.scenes import coil
 
 NEAR, FAR = 0.10 * np.pi, 0.12 * np.pi
 
@@ -77,7 +77,7 @@ def test_leaves_an_unstable_planar_state(method: str) -> None:
 
 
 def test_the_step_is_stable(pushed: tuple[System, State, State]) -> None:
-    """Leapfrog with the step 1 needs eigenvalues of M^-1 H below 4; H by differences of the forces."""
+    """Leapfrog with the step 1 needs eigenvalues of M^-1 H below 4; H by differences."""
     system, _, state = pushed
     d, n = system.dimension, system.edges
     inertia, motion = masses.new_inertia(n, d), explicit.new_motion(n, d)
