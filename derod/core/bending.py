@@ -38,7 +38,6 @@ def fill_turns(physics, kin, grad):
     """
     for i in range(kin.rest.size - 1):
         kin.fall[i] = vertex_turn(physics.axis, kin.tangent, i)
-        kin.weight[i] = 1.0 / (kin.rest[i] + kin.rest[i + 1])
     small = True
     for i in range(kin.rest.size - 1):
         kin.turn[i], kin.turn_slope[i] = small_squared_angle(kin.fall[i])

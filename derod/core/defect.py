@@ -19,8 +19,8 @@ from derod.core.jit import kernel
 @kernel
 def difference(axis, kin, e, d):
     """Fill ``d`` for edge e; return (alpha, beta, sigma = t.s, F)."""
-    alpha = 2.0 / (kin.rest[e] + kin.rest[e + 1])
-    beta = 2.0 / (kin.rest[e - 1] + kin.rest[e])
+    alpha = 2.0 * kin.weight[e]
+    beta = 2.0 * kin.weight[e - 1]
     sigma = 0.0
     for k in range(len(axis)):
         d[k] = alpha * kin.tangent[e + 1, k] + beta * kin.tangent[e - 1, k]

@@ -21,12 +21,13 @@ import numpy as np
 from derod.core.assembly import constraints, forces
 from derod.core.jit import kernel
 from derod.core.layout import S_A, S_B, X_C
-from derod.core.residual import excess
+from derod.core.residual import EPS, excess
 from derod.core.wall import squared_distance, wall_gap
 
 GAP_SHARE = 0.125  # of the least wall gap that a node may move in one step
 ROTATION = 0.1  # rad that an edge may turn in one step
 RENEW = 0.3  # forces fall by this between two renewals of the multipliers
+STRAIN = 1e-3  # of the tolerance on forces, the relative one on lengths
 LOOK = 10  # steps between two looks at the residual
 FIRE_GROW, FIRE_CUT, FIRE_MIX, FIRE_FADE, FIRE_WAIT = 1.1, 0.5, 0.25, 0.99, 5
 LEAST_STEP, LARGEST_STEP = 0.02, 1.0  # in units of the stable one
@@ -69,7 +70,7 @@ def evaluate(physics, mesh, end_rotation, psi, room, q, b, inertia, motion):
     sound = constraints(physics, mesh, q, b, room)
     for e in range(1, q.shape[0]):
         q[e, d] = motion.tension[e] + inertia.penalty[e] * room.grad.constraint[e]
-    for side in range(2):
+    for side in range(2 if physics.drop else 0):
         i = room.kin.node_a if side == 0 else room.kin.node_b
         off = squared_distance(physics, q, b, i) - 0.25
         b[X_C + d + side] = motion.force[side] + inertia.menisci[0] * off
@@ -184,6 +185,23 @@ def move(dt, q, b, inertia, motion):
 
 
 @kernel
+def strain(physics, room, tolerance):
+    """Return the largest ratio of a constraint's violation to what is allowed.
+
+    The energy of a strained state is off by lambda g, to first order, while forces may be settled:
+    lengths are held to a finer tolerance than forces.
+    """
+    d = len(physics.axis)
+    rounding = 8 * EPS * physics.length
+    worst = 0.0
+    for e in range(1, room.r.shape[0]):
+        worst = max(worst, abs(room.r[e, d]) / (tolerance * room.kin.rest[e] + rounding))
+    for k in range(X_C + d, X_C + d + 2):
+        worst = max(worst, abs(room.rb[k]) / (tolerance + rounding))
+    return worst
+
+
+@kernel
 def explicit_steps(
     physics, mesh, end_rotation, tolerance, kinetic, steps, psi, room, q, b, inertia, motion
 ):
@@ -198,6 +216,7 @@ def explicit_steps(
     gap = wall_gap(physics, room.kin, q, b)
     done = 0
     worst, force = excess(physics, room.r, room.rb, room.kin, tolerance)
+    worst = max(worst, strain(physics, room, STRAIN * tolerance))
     while done < steps and sound and gap > 0:
         power, speed2, force2 = accelerate(room, inertia, motion)
         if memory[SINCE] > 0 and power <= 0:
@@ -215,10 +234,12 @@ def explicit_steps(
         done += 1
         if done % LOOK == 0 or done == steps:
             worst, force = excess(physics, room.r, room.rb, room.kin, tolerance)
-            if worst <= 1:
+            if worst <= 1 and strain(physics, room, STRAIN * tolerance) <= 1:
                 break
-            if force <= max(memory[LEVEL], 0.5 * tolerance):  # settled for these multipliers
+            # settled for these multipliers, or for good but for a strain that would show in the energy
+            if worst <= 1 or force <= max(memory[LEVEL], 0.5 * tolerance):
                 motion.tension[1:] = q[1:, d]
                 motion.force[0], motion.force[1] = b[X_C + d], b[X_C + d + 1]
                 memory[LEVEL] = RENEW * force
+    worst = max(worst, strain(physics, room, STRAIN * tolerance))
     return done, psi, worst, force, sound and gap > 0

@@ -88,9 +88,9 @@ def fill_masses(physics, q, b, psi, end_rotation, room, factor, inertia):
     fill_penalties(room.kin, inertia)
     fill_carried(room.kin, inertia.carried)
     grown, grown_border = carried_product(physics, room.linear, factor, inertia)
-    fill_border_masses(room.kin, room.linear, grown, grown_border, inertia)
+    fill_border_masses(physics, room.kin, room.linear, grown, grown_border, inertia)
     add_row_sums(physics, room.linear, grown, inertia.inverse)
-    add_constraints(room.kin, room.linear, inertia)
+    add_constraints(physics, room.kin, room.linear, inertia)
     for i in range(1, n):
         inertia.inverse[i] = np.linalg.inv(0.25 * SAFETY * inertia.inverse[i])
     inertia.wetted[0] *= 0.25 * SAFETY
@@ -129,7 +129,7 @@ def carried_product(physics, linear, factor, inertia):
 
 
 @kernel
-def fill_border_masses(kin, linear, grown, grown_border, inertia):
+def fill_border_masses(physics, kin, linear, grown, grown_border, inertia):
     """Fill the row sums of the wetted length and of x_C."""
     border, corner = linear.border, linear.corner
     n, d = inertia.carried.shape[0] - 1, inertia.carried.shape[1]
@@ -148,7 +148,7 @@ def fill_border_masses(kin, linear, grown, grown_border, inertia):
         inertia.centre[k] += abs(grown_border[X_C + k])
         for m in range(d):
             inertia.centre[k] += abs(corner[X_C + k, X_C + m])
-        for side in range(2):
+        for side in range(2 if physics.drop else 0):
             i = kin.node_a if side == 0 else kin.node_b
             slope = border[(d + 1) * (i - 1) + k, X_C + d + side]
             inertia.centre[k] += 2 * inertia.menisci[0] * abs(slope)
@@ -183,7 +183,7 @@ def add_row_sums(physics, linear, grown, blocks):
 
 
 @kernel
-def add_constraints(kin, linear, inertia):
+def add_constraints(physics, kin, linear, inertia):
     """Add the penalties kappa to the nodes' blocks, along the constraints' directions."""
     band, border, blocks = linear.band, linear.border, inertia.inverse
     n, d = blocks.shape[0] - 1, blocks.shape[1]
@@ -202,7 +202,7 @@ def add_constraints(kin, linear, inertia):
         total = inertia.penalty[e] * np.sum(sizes[: last - first + 1])
         for o in range(first, last + 1):
             add_direction(blocks[o], slopes[o - first], total / (sizes[o - first] + 1e-300))
-    for side in range(2):
+    for side in range(2 if physics.drop else 0):
         i = kin.node_a if side == 0 else kin.node_b
         for k in range(d):
             slopes[0, k] = border[(d + 1) * (i - 1) + k, X_C + d + side]

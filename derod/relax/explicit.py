@@ -26,9 +26,10 @@ class Explicit:
         """Take the residual of the state, and start at rest."""
         self.system, self.state, self.tolerance = system, state, tolerance
         d = system.dimension
-        off = 0.5 * (state.b[S_A] + state.b[S_B] - system.physics.length)
-        state.b[S_A] -= off  # the menisci only move as mirror images from here on
-        state.b[S_B] -= off
+        if system.physics.drop:  # the menisci only move as mirror images from here on
+            off = 0.5 * (state.b[S_A] + state.b[S_B] - system.physics.length)
+            state.b[S_A] -= off
+            state.b[S_B] -= off
         sound = system.gradient(state) and system.wall_gap(state) > 0
         report = Report(0, *system.excess(tolerance), alive=True, sound=sound)
         self.inertia = masses.new_inertia(system.edges, d)
@@ -42,6 +43,11 @@ class Explicit:
 
     def advance(self) -> Report:
         """Take a batch of steps with fresh masses."""
+        self.fill_masses()
+        return self.take_steps()
+
+    def fill_masses(self) -> None:
+        """Make the step 1 stable for the state as it is."""
         system, state = self.system, self.state
         system.gradient(state)
         masses.fill_masses(
@@ -54,6 +60,10 @@ class Explicit:
             system.factor,
             self.inertia,
         )
+
+    def take_steps(self) -> Report:
+        """Take a batch of steps."""
+        system, state = self.system, self.state
         done, state.holonomy, excess, residual, sound = explicit.explicit_steps(
             system.physics,
             system.mesh,
