@@ -58,7 +58,7 @@ def draw_curve(axes: Axes, run: Any, shape: Shape, theme: Theme) -> None:
         gid="here",
         zorder=5,
     )
-    axes.set_xlim(0, 1.02 * delta.max())
+    axes.set_xlim(0, 1.04 * delta.max())
     axes.set_ylim(0, 1.12 * t.max())
     axes.set_xlabel(LABELS["delta"])
     axes.set_ylabel(LABELS["end_tension"])

@@ -109,7 +109,7 @@ def draw_branch(axes: Axes, name: str, branch: Any, theme: Theme, quantity: str)
     label: str | None = family(name)
     if label in [line.get_label() for line in axes.get_lines()]:
         label = None
-    for first, last, full in stretches(solid):
+    for first, last, full in stretches(solid, branch.bifurcations["index"]):
         kind = ("stable" if full else "unstable") if counted else ("space" if full else "planar")
         axes.plot(
             table["end_shortening"][first : last + 1] / np.pi,

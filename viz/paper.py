@@ -55,7 +55,7 @@ def jobs(data: Path) -> dict[Path, list[str]]:
         data / "l20-r2pi.h5": ["push", str(scenes / "l20-r2pi.toml"), "--quiet"],
         data / "text.h5": ["push", text, "--quiet"],
         data / "figures.h5": ["push", figures, "--quiet"],
-        data / "text-200.h5": ["push", text, "--quiet", "--edges", "200"],
+        data / "text-fine.h5": ["push", text, "--quiet", "--edges", "400"],
         data / "figures-branches.h5": ["branch", figures],
     }
 
@@ -105,15 +105,15 @@ def draw(data: Path, out: Path, style: str, endings: tuple[str, ...], dpi: int) 
         keep(shapes.figure(drawn, theme), name)
     long_runs = [derod.open_run(data / f"{name}.h5") for name in ("l20-r0", "l20-r2pi")]
     keep(longer.figure(long_runs, theme), "diagram-l20")
-    coarse = derod.open_run(data / "text-200.h5")
+    fine = derod.open_run(data / "text-fine.h5")
     compared = [
-        (error.label(run), compare(run, files["text"], every=3)) for run in (coarse, runs["text"])
+        (error.label(run), compare(run, files["text"], every=3)) for run in (runs["text"], fine)
     ]
     keep(error.figure(compared, theme), "error-text")
     keep(energies.figure(runs["text"], theme), "energies-text")
     keep(kymograph.figure(runs["text"], theme), "kymograph-text")
     table = stated_table(runs, files)
-    (out / "stated.md").write_text(table, encoding="utf-8")
+    (data.parent / "stated.md").write_text(table, encoding="utf-8")
     print(table)
 
 

@@ -94,16 +94,26 @@ def branch_shape_at(branch: Any, i: int) -> Shape:
     )
 
 
-def stretches(flags: Sequence[bool] | np.ndarray) -> list[tuple[int, int, bool]]:
-    """Stretches (first, last, flag) of equal flags along a path.
+def stretches(
+    flags: Sequence[bool] | np.ndarray, neutral: Sequence[int] | np.ndarray = ()
+) -> list[tuple[int, int, bool]]:
+    """Stretches (first, last, flag) of a path; neighbours share a point.
 
-    Neighbours share their boundary: the point where the flag changes belongs to both.
+    The piece between two points has the flag if both have it. Points that are ``neutral``, where the
+    flag changes (bifurcations), have no say.
     """
     flags = np.asarray(flags, dtype=bool)
-    if flags.size == 0:
+    if flags.size < 2:
         return []
-    edges = [0, *(np.flatnonzero(np.diff(flags)) + 1), flags.size]
-    return [(int(a), int(min(b, flags.size - 1)), bool(flags[a])) for a, b in pairwise(edges)]
+    lenient = flags.copy()
+    lenient[np.asarray(neutral, dtype=int)] = True
+    both_neutral = np.zeros(flags.size, dtype=bool)
+    both_neutral[np.asarray(neutral, dtype=int)] = True
+    pieces = np.where(
+        both_neutral[:-1] & both_neutral[1:], flags[:-1] & flags[1:], lenient[:-1] & lenient[1:]
+    )
+    edges = [0, *(np.flatnonzero(np.diff(pieces)) + 1), pieces.size]
+    return [(int(a), int(b), bool(pieces[a])) for a, b in pairwise(edges)]
 
 
 def flatness(positions: np.ndarray) -> float:

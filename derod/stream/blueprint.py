@@ -58,8 +58,8 @@ def branch_blueprint(names: list[str]) -> Any:
         ),
     )
     curves = rrb.Vertical(
-        _series("tension t, K0/D², against δ", "branches/tension"),
-        _series("energy Ê, K0/D, against δ", "branches/energy_hat"),
+        _series("tension t, K0/D², against δ", "branches/tension", (-2.0, 26.0)),
+        _series("energy Ê, K0/D, against δ", "branches/energy_hat", (0.0, 50.0)),
         rrb.TextLogView(origin="events", name="bifurcations"),
         row_shares=[3, 3, 2],
     )
@@ -73,9 +73,12 @@ def branch_blueprint(names: list[str]) -> Any:
     )
 
 
-def _series(name: str, origin: str) -> Any:
+def _series(name: str, origin: str, values: tuple[float, float] | None = None) -> Any:
     return rrb.TimeSeriesView(
-        origin=origin, name=name, plot_legend=rrb.PlotLegend(visible=origin != "plots/tension")
+        origin=origin,
+        name=name,
+        plot_legend=rrb.PlotLegend(visible=origin in ("plots/energy", "plots/wetted_length")),
+        axis_y=rrb.ScalarAxis() if values is None else rrb.ScalarAxis(range=values),
     )
 
 

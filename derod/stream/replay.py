@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -47,7 +48,8 @@ def batches(run: BaseRun, together: int = TOGETHER) -> Iterator[Batch]:
 def replay_branches(recording: Any, branches: Any) -> None:
     """Send all paths of a branch file (``derod.open_branches``): one entity a path.
 
-    Points of a path are on the timelines ``point`` (their number) and ``end_shortening``.
+    Its shapes are on the timeline ``point`` (their number), and those of lowest energy also on
+    ``end_shortening``. Time series are cut at folds: against end-shortening a path has many values.
     """
     import rerun as rr
 
@@ -70,27 +72,56 @@ def replay_branches(recording: Any, branches: Any) -> None:
         tint = PATH_COLORS[number % len(PATH_COLORS)]
         table = branch.table
         points = np.unique(np.linspace(0, len(table) - 1, MOST_POINTS).round().astype(int))
-        indexes = [
-            rr.TimeColumn("point", sequence=points),
-            rr.TimeColumn("end_shortening", duration=table["end_shortening"][points]),
-        ]
-        curve = rr.LineStrips3D.from_fields(colors=[tint], radii=0.012)
+        curve = rr.LineStrips3D.from_fields(
+            colors=[tint], radii=0.012, labels=[name], show_labels=True
+        )
         recording.log(f"world/branches/{place}", curve, static=True)
-        strips = [
-            [(branch.positions(int(i)) - branch.drop_center(int(i))).astype(np.float32)]
-            for i in points
-        ]
-        columns = [Column(f"world/branches/{place}", "LineStrips3D", {"strips": strips})]
-        for quantity, symbol in (("end_tension", "tension"), ("energy_hat", "energy_hat")):
-            entity = f"branches/{symbol}/{place}"
-            recording.log(
-                entity, rr.SeriesLines(names=name, colors=[tint], widths=1.5), static=True
-            )
-            values = list(table[quantity][points][:, None])
-            columns.append(Column(entity, "Scalars", {"scalars": values}))
-        for column in columns:
-            send_column(recording, column, indexes)
+        lowest = points[lowest_sheet(table)[points]]
+        delta = table["end_shortening"]
+        for shown, time in (
+            (points, rr.TimeColumn("point", sequence=points)),
+            (lowest, rr.TimeColumn("end_shortening", duration=delta[lowest])),
+        ):
+            strips = [[_centered(branch, int(i))] for i in shown]
+            column = Column(f"world/branches/{place}", "LineStrips3D", {"strips": strips})
+            send_column(recording, column, [time])
+        for number_of_sheet, (first, last) in enumerate(sheets(delta)):
+            at = np.arange(first, last + 1)
+            times = [
+                rr.TimeColumn("point", sequence=at),
+                rr.TimeColumn("end_shortening", duration=delta[at]),
+            ]
+            for quantity, symbol in (("end_tension", "tension"), ("energy_hat", "energy_hat")):
+                entity = f"branches/{symbol}/{place}/{number_of_sheet}"
+                look = rr.SeriesLines(names=name, colors=[tint], widths=1.5)
+                recording.log(entity, look, static=True)
+                values = list(table[quantity][at][:, None])
+                send_column(recording, Column(entity, "Scalars", {"scalars": values}), times)
         _log_bifurcations(recording, name, branch)
+
+
+def _centered(branch: Any, i: int) -> np.ndarray:
+    return np.asarray(branch.positions(i) - branch.drop_center(i), dtype=np.float32)
+
+
+def sheets(end_shortening: np.ndarray) -> list[tuple[int, int]]:
+    """Stretches (first, last) of a path along which the end-shortening does not turn."""
+    step = np.sign(np.diff(end_shortening))
+    turns = np.flatnonzero(step[1:] * step[:-1] < 0) + 1
+    edges = [0, *turns.tolist(), len(end_shortening) - 1]
+    return list(pairwise(edges))
+
+
+def lowest_sheet(table: np.ndarray) -> np.ndarray:
+    """Which points of a path have no other point of it below them, in E_hat, (T,) of bool."""
+    delta, energy = table["end_shortening"], table["energy_hat"]
+    least = np.full(len(table), np.inf)
+    for first, last in sheets(delta):
+        part = slice(first, last + 1)
+        order = np.argsort(delta[part])
+        here = np.interp(delta, delta[part][order], energy[part][order], left=np.inf, right=np.inf)
+        least = np.minimum(least, here)
+    return np.asarray(energy <= least + 1e-9 * np.maximum(1, abs(energy)))
 
 
 def _log_bifurcations(recording: Any, name: str, branch: Any) -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from derod.record import RunWriter, open_run
-from derod.stream.replay import replay_branches, replay_file
+from derod.stream.replay import lowest_sheet, replay_branches, replay_file, sheets
 from derod.stream.target import parse_target
 from derod.stream.viewers import close_recording
 from tests.stream.reading import read_rrd, seconds
@@ -95,7 +95,18 @@ def test_branches_have_an_entity_a_path(tmp_path):
     assert close_recording(recording, 20) is None
     contents = read_rrd(target)
     for name, points in (("Ax", 10), ("3D-L2", 7)):
-        assert contents[f"world/branches/{name}"].rows == points
-        assert contents[f"branches/tension/{name}"].times["point"] == list(range(points))
-        assert contents[f"branches/energy_hat/{name}"].rows == points
+        rods = contents[f"world/branches/{name}"]
+        assert rods.times["point"] == list(range(points))
+        assert rods.rows == points + len(rods.times["end_shortening"])
+        assert contents[f"branches/tension/{name}/0"].times["point"] == list(range(points))
+        assert contents[f"branches/energy_hat/{name}/0"].rows == points
     assert contents["events"].rows == 2
+
+
+def test_sheets_of_a_path_that_folds_twice():
+    delta = np.array([0.0, 1, 2, 3, 2, 1, 2, 3, 4])
+    assert sheets(delta) == [(0, 3), (3, 5), (5, 8)]
+    table = np.zeros(9, [("end_shortening", "f8"), ("energy_hat", "f8")])
+    table["end_shortening"], table["energy_hat"] = delta, [0, 1, 2, 9, 8, 7, 1.5, 1.6, 1.7]
+    shown = lowest_sheet(table)
+    assert shown.tolist() == [True, True, False, False, False, False, True, True, True]

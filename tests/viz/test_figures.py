@@ -167,15 +167,14 @@ def test_planar_intervals_and_the_diagram_of_the_longer_rod(run):
     assert bars[0].get_x() == pytest.approx(0.1 / np.pi)
 
 
-def test_stretches_share_their_boundaries():
+def test_stretches_change_at_neutral_points_and_share_them():
     from reading import stretches
 
-    assert stretches([True, True, False, False, True]) == [
-        (0, 2, True),
-        (2, 4, False),
-        (4, 4, True),
-    ]
-    assert stretches([]) == []
+    assert stretches([True, True, False, False, True]) == [(0, 1, True), (1, 4, False)]
+    for at_the_point in (True, False):
+        flags = [True, True, at_the_point, False, False]
+        assert stretches(flags, [2]) == [(0, 2, True), (2, 4, False)]
+    assert stretches([True]) == []
 
 
 def test_movie_frames(run, tmp_path):
