@@ -22,10 +22,11 @@ METHODS = ("implicit", "fire", "kinetic")
 COMMANDS: tuple[str, ...] = (
     "derod.branches.cli:add_branch_parser",
     "derod.branches.cli:add_compare_parser",
+    "derod.stream.cli:add_view_parser",
 )
 """More commands, as "module:function"; the function is given the sub-parsers to add itself to."""
 
-PUSH_WATCHERS: tuple[str, ...] = ()
+PUSH_WATCHERS: tuple[str, ...] = ("derod.stream.cli",)
 """Modules that add options to ``derod push`` and observers to the push.
 
 Each has ``add_push_options(parser)`` and ``make_observers(args, scene) -> list[Observer]``.

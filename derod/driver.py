@@ -16,10 +16,10 @@ import numpy as np
 
 from derod.encode import Settled, decode, encode
 from derod.errors import RecordError
-from derod.frames import Ending, Event, Frame, Observer, Outcome
+from derod.frames import Ending, Event, Frame, Observer, Outcome, RelaxationObserver
 from derod.guess import bent_guess
 from derod.predict import predict
-from derod.relax import Solution, make_relaxer, relax
+from derod.relax import Report, Solution, make_relaxer, relax
 from derod.scene import Scene
 from derod.state import State
 from derod.system import Equilibrium, System
@@ -66,6 +66,7 @@ class Push:
         self.system = System(scene)
         self.relaxer = make_relaxer(scene.relax.method)
         self.observers = observers
+        self.watchers = [o for o in observers if isinstance(o, RelaxationObserver)]
         self.max_step = scene.push.max_step
         self.step = FIRST_STEP * self.max_step
         self.count = 0
@@ -82,7 +83,7 @@ class Push:
         """Settle the first state, led in from a hair's breadth if it lies far in."""
         start = self.scene.push.start
         near = min(start, LEAD_IN)
-        solution = relax(self.relaxer, self.system, bent_guess(self.system, near))
+        solution = self.relax(bent_guess(self.system, near))
         if not solution.converged:
             raise Stuck(
                 outcome_of(solution), f"no first equilibrium from the bent guess: {solution.message}"
@@ -142,7 +143,7 @@ class Push:
         """Try to settle at ``target``; return None, with a shorter step, where that must be retried."""
         length = abs(target - self.state.end_shortening)
         guess = predict(self.system, self.state, self.here, self.before, target)
-        solution = relax(self.relaxer, self.system, guess)
+        solution = self.relax(guess)
         if not solution.converged:
             self.retry(length, SHRINK, solution)
             return None
@@ -163,6 +164,17 @@ class Push:
         increment = self.settle_down(solution, smooth=not snapped)
         self.adapt(length, solution.iterations)
         return increment
+
+    def relax(self, start: State, *, descend: bool = False) -> Solution:
+        """Relax ``start``, under the eyes of those who want to see every step."""
+        if not self.watchers:
+            return relax(self.relaxer, self.system, start, descend=descend)
+
+        def watch(iteration: int, state: State, report: Report) -> None:
+            for observer in self.watchers:
+                observer.relaxation(self.count, iteration, state, report)
+
+        return relax(self.relaxer, self.system, start, watch=watch, descend=descend)
 
     def retry(self, length: float, factor: float, solution: Solution) -> None:
         """Shorten the step after an increment that did not converge, or give up."""
@@ -209,7 +221,7 @@ class Push:
         value = np.nan
         for attempt in range(MOST_KICKS):
             value, kicked = self.kicked(state, amplitude * STRONGER**attempt, attempt)
-            solution = relax(self.relaxer, self.system, kicked, descend=True)
+            solution = self.relax(kicked, descend=True)
             iterations += solution.iterations
             if not solution.converged:
                 continue

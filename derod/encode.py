@@ -56,7 +56,11 @@ def encode(system: System, state: State, settled: Settled) -> Frame:
     row["slide_force"] = state.slide_force * unit
     row["wall_gap"] = system.wall_gap(state)
     return Frame(
-        row[()], state.positions, system.arc_length(state), state.drop_center, state.edge_tension * unit
+        row[()],
+        state.positions,
+        system.arc_length(state),
+        state.drop_center if system.physics.drop else np.full(3, np.nan),
+        state.edge_tension * unit,
     )
 
 
@@ -68,6 +72,8 @@ def decode(system: System, frame: Frame) -> State:
     q[:, :d] = frame.positions[:, 3 - d :]
     q[1:, d] = frame.edge_tension / unit
     b = np.zeros(d + 5)
+    if not system.physics.drop:
+        return State(q, b, float(row["holonomy"]), float(row["end_shortening"]))
     b[S_A], b[S_B] = row["meniscus_a"], row["meniscus_b"]
     b[X_C : X_C + d] = frame.drop_center[3 - d :]
     b[X_C + d :] = row["force_a"] / unit, row["force_b"] / unit, row["slide_force"] / unit

@@ -36,14 +36,14 @@ def cross(tangent, i):
 def holonomy(physics, kin, remembered, grad):
     """Return psi on the branch nearest to ``remembered``, radians; fill grad(psi) by the edges.
 
-    Three dimensions only.
+    After ``fill_turns``. Three dimensions only.
     """
     w, x, y, z = 1.0, 0.0, 0.0, 0.0
     slope = grad.holonomy
     slope[0] = 0.0
     for i in range(kin.rest.size - 1):
         px, py, pz = cross(kin.tangent, i)
-        pw = 2 - vertex_turn(physics.axis, kin.tangent, i)  # 1 + a.b
+        pw = 2 - kin.fall[i]  # 1 + a.b
         inverse = 1.0 / pw
         left, right = inverse * kin.inverse[i], inverse * kin.inverse[i + 1]
         slope[i, 0] -= px * left
