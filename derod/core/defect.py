@@ -92,12 +92,12 @@ def add_defect_hessian(physics, kin, d, hess):
             # components across the neighbours: of d, of t; and of t's neighbours across t
             dr_k, dl_k = d[k] - right * r[k], d[k] - left * l[k]
             or_k, ol_k = o[k] - cr * r[k], o[k] - cl * l[k]
-            ro_k, lo_k = r[k] - cr * o[k], l[k] - cl * o[k]
+            ro_k = r[k] - cr * o[k]
             for m in range(n):
                 same = 1.0 if k == m else 0.0
                 dr_m, dl_m = d[m] - right * r[m], d[m] - left * l[m]
                 or_m, ol_m = o[m] - cr * r[m], o[m] - cl * l[m]
-                ro_m, lo_m = r[m] - cr * o[m], l[m] - cl * o[m]
+                lo_m = l[m] - cl * o[m]
                 hess.edge[e, k, m] += (
                     weight
                     * io

@@ -162,7 +162,9 @@ def _menisci(batch: Batch) -> tuple[np.ndarray, np.ndarray]:
 
 def draw_plots(rows: np.ndarray, scene: Scene) -> list[Column]:
     """The time series of the rows (T,)."""
-    surface = rows["energy_capillary"] + scene.drop.capillary_force * (rows["end_shortening"] + 1)
+    surface = rows["energy_capillary"] + scene.require_drop().capillary_force * (
+        rows["end_shortening"] + 1
+    )
     residual = np.log10(np.maximum(rows["residual"], 1e-300))
     values = {entity: rows[name].astype(float) for entity, name in PLOTS.items()}
     values |= {PLOT_CAPILLARY: surface, PLOT_RESIDUAL: residual}

@@ -34,7 +34,7 @@ class Coloring(NamedTuple):
 
 def coloring(name: str, scene: Scene) -> Coloring:
     """The fixed scale of a field: the same colour is the same value in every frame."""
-    f_gamma = scene.drop.capillary_force
+    f_gamma = scene.require_drop().capillary_force
     turn = 2 * np.pi / scene.rod.length
     if name == "curvature":
         return Coloring(0.0, 6.0, VIRIDIS, "curvature, 0 to 6 /D")
@@ -93,5 +93,7 @@ def wall_push(positions: np.ndarray, drop_center: np.ndarray, scene: Scene) -> n
     v = v0 / (1 + rho - 2 r). Nodes beyond the wall, which no equilibrium has, give nothing.
     """
     r = np.linalg.norm(positions - drop_center[..., None, :], axis=-1)
-    gap = 1 + scene.drop.wall_softness - 2 * r
-    return np.where(gap > 0, 2 * scene.drop.wall_strength / np.maximum(gap, 1e-9) ** 2, 0.0)
+    gap = 1 + scene.require_drop().wall_softness - 2 * r
+    return np.where(
+        gap > 0, 2 * scene.require_drop().wall_strength / np.maximum(gap, 1e-9) ** 2, 0.0
+    )

@@ -177,7 +177,7 @@ def event_text(event: Event) -> str:
 
 def about(scene: Scene, color: str) -> str:
     """What one looks at, in Markdown."""
-    rod, drop = scene.rod, scene.drop
+    rod, drop = scene.rod, scene.require_drop()
     return (
         f"**l** = {rod.length:g}, **k3** = {rod.twisting:g}, **fγ** = {drop.capillary_force:g}, "
         f"**v0** = {drop.wall_strength:g}, **ρ** = {drop.wall_softness:g}, "
