@@ -86,7 +86,8 @@ class Push:
         solution = self.relax(bent_guess(self.system, near))
         if not solution.converged:
             raise Stuck(
-                outcome_of(solution), f"no first equilibrium from the bent guess: {solution.message}"
+                outcome_of(solution),
+                f"no first equilibrium from the bent guess: {solution.message}",
             )
         self.recording = near == start
         self.accept(self.settle_down(solution, smooth=False), landing=near == start)

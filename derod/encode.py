@@ -36,7 +36,7 @@ def encode(system: System, state: State, settled: Settled) -> Frame:
     system.gradient(state)
     energies = system.energies(state)
     s_a, s_b = state.menisci
-    row = np.zeros((), ROW)
+    row = np.zeros(1, ROW)[0]
     for name, value in settled._asdict().items():
         row[name] = value
     row["residual"] = settled.residual * unit
@@ -56,7 +56,7 @@ def encode(system: System, state: State, settled: Settled) -> Frame:
     row["slide_force"] = state.slide_force * unit
     row["wall_gap"] = system.wall_gap(state)
     return Frame(
-        row[()],
+        row,
         state.positions,
         system.arc_length(state),
         state.drop_center if system.physics.drop else np.full(3, np.nan),

@@ -44,9 +44,7 @@ def bent_guess(system: System, end_shortening: float) -> State:
     kin = system.room.kin
     tension = 0.2 * physics.capillary_force
     state.q[1:, d] = tension
-    state.q[1 + kin.node_a : 1 + kin.node_b, d] = (
-        tension - physics.capillary_force
-    )
+    state.q[1 + kin.node_a : 1 + kin.node_b, d] = tension - physics.capillary_force
     menisci = state.q[[kin.node_a, kin.node_b], :d]
     state.b[X_C : X_C + d] = menisci.mean(axis=0)
     state.b[X_C + d : X_C + d + 2] = physics.capillary_force

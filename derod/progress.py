@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import sys
 import time
@@ -19,7 +20,7 @@ LINE_AT = 0.1  # of the way
 def way_covered(scene: Scene, segment: int, end_shortening: float) -> float:
     """How much end-shortening, up and down, lies between the start and this point of a leg, in D."""
     points = (scene.push.start, *scene.push.stop)
-    legs = [abs(after - before) for before, after in zip(points, points[1:], strict=False)]
+    legs = [abs(after - before) for before, after in itertools.pairwise(points)]
     return sum(legs[:segment]) + abs(end_shortening - points[segment])
 
 

@@ -72,7 +72,8 @@ class System:
         self.mesh = wetted_mesh(self.edges) if drop else dry_mesh(self.edges)
         self.room = assembly.new_room(self.mesh, self.physics)
         linear = self.room.linear
-        self.factor = new_factor(*linear.band.shape, linear.border.shape[1])
+        rows, stride = linear.band.shape
+        self.factor = new_factor(rows, stride, linear.border.shape[1])
 
     def rest_lengths(self, state: State) -> np.ndarray:
         """Return the rest lengths l_j, (N,), D."""

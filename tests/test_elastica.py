@@ -34,7 +34,9 @@ def closed_form(shortening: float) -> tuple[float, float]:
     return 16 * ellipk(m) ** 2, np.sqrt(m) / ellipk(m)
 
 
-def relaxed(edges: int, shortening: float, dimension: int = 2, bending: float = 1.0) -> tuple[float, float]:
+def relaxed(
+    edges: int, shortening: float, dimension: int = 2, bending: float = 1.0
+) -> tuple[float, float]:
     """Load and mid-height of the discrete rod."""
     scene = derod.parse_scene(SCENE.format(edges=edges, dimension=dimension, bending=bending))
     system = System(scene)

@@ -65,6 +65,7 @@ class Branch:
     bifurcations: list[Bifurcation] = field(default_factory=list)
     begins: str = ""
     ends: str = ""
+    remarks: list[str] = field(default_factory=list)  # sign changes that were no zeros
 
 
 def end_reason(delta_limit: float) -> Callable[[Point], str | None]:
@@ -118,12 +119,12 @@ def finish_at_end(tracer: Tracer, points: list[Point]) -> None:
 
 
 def special_points(
-    tracer: Tracer, points: list[Point], odd: Mirror | None
+    tracer: Tracer, points: list[Point], odd: Mirror | None, remarks: list[str]
 ) -> list[tuple[int, SpecialPoint]]:
     """Folds and, on planar paths, pitchforks; each with the index of the point it follows.
 
-    A sign change without a zero is passed over (mesh changes can shake the sign near a double
-    zero).
+    A sign change without a zero (two zeros close together, shaken apart by a change of mesh) gives
+    no special point and a line in ``remarks``.
     """
     tests: list[tuple[str, Callable[[Point], float]]] = [("fold", fold_function)]
     if odd is not None:
@@ -136,7 +137,9 @@ def special_points(
                 continue
             try:
                 special = locate(tracer, points[i], points[i + 1], function, kind)
-            except (SpuriousPoint, NotConverged):
+            except (SpuriousPoint, NotConverged) as error:
+                delta = points[i].state.end_shortening
+                remarks.append(f"near delta = {delta:.5f}: {error}")
                 continue
             if kind == "pitchfork" and odd is not None:
                 special = with_mode(special, odd)

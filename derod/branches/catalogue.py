@@ -74,6 +74,7 @@ class Path:
     specials: list[tuple[int, SpecialPoint]] = field(default_factory=list)
     begins: str = ""
     ends: str = ""
+    remarks: list[str] = field(default_factory=list)
     partners: dict[int, str] = field(default_factory=dict)  # index among specials -> branch
     joints: list[tuple[bool, Tracer, SpecialPoint, str]] = field(default_factory=list)
     # (at the start, tracer of the planar path, its pitchfork, its name)
@@ -101,6 +102,7 @@ class Catalogue:
         self.control = control or Control()
         self.delta_limit = parameters.length if delta_limit is None else delta_limit
         self.paths: dict[str, Path] = {}
+        self.missed: list[str] = []  # paths that could not be followed, and why
 
     def tracer(self, mirror: Mirror, held: int = col.FGAMMA) -> Tracer:
         """A tracer of this catalogue's control in a mirror class."""
@@ -117,7 +119,7 @@ class Catalogue:
     def ax(self) -> Path:
         """The planar path from the straight rod's first buckling, through its folds to its end."""
         if "Ax" not in self.paths:
-            self.paths["Ax"] = self._from_straight("Ax", STRAIGHT_LOOP, LOOP_EVEN, LOOP_ODD)
+            self._from_straight("Ax", STRAIGHT_LOOP, LOOP_EVEN, LOOP_ODD)
         return self.paths["Ax"]
 
     def _from_straight(self, name: str, mode: Mirror, mirror: Mirror, odd: Mirror | None) -> Path:
@@ -125,6 +127,7 @@ class Catalogue:
         stop = self._stop_in_plane() if odd is None else end_reason(self.delta_limit)
         points, reason = collect(tracer, start, stop)
         path = Path(name, tracer, odd, points, begins=f"straight rod, t = {tension:.6f}")
+        self.paths[name] = path
         self._close(path, reason)
         return path
 
@@ -147,11 +150,13 @@ class Catalogue:
         return tracer, tracer.begin(settled, frozen(held)), tension
 
     def _close(self, path: Path, reason: object) -> None:
-        """Finish a path: its end state, special points and reason."""
+        """Finish a path: its end state or its joint with a plane, then its special points."""
         if isinstance(reason, str):
             path.ends = reason
             finish_at_end(path.tracer, path.points)
-        path.specials = special_points(path.tracer, path.points, path.odd)
+        else:
+            self._join(path, reason)
+        path.specials = special_points(path.tracer, path.points, path.odd, path.remarks)
 
     def _stop_in_plane(self) -> Callable[[Point], object]:
         """Stop where a space path crosses a plane, or for the usual reasons."""
@@ -175,7 +180,6 @@ class Catalogue:
         path.joints.append((True, origin.tracer, special, origin.name))
         origin.partners[number] = name
         self._close(path, reason)
-        self._join(path, reason)
         return path
 
     def leave(
@@ -213,7 +217,6 @@ class Catalogue:
         path.joints.append((False, planar.tracer, joint, name))
         path.ends = f"pitchfork of {name}"
         path.points.pop()
-        path.specials = [s for s in path.specials if s[0] < len(path.points) - 1]
 
     def _nearest_joint(
         self, even: Mirror, state: HalfRod, limit: float
@@ -244,21 +247,20 @@ class Catalogue:
         down, begin = collect(tracer, tracer.begin(settled, -forward), usual)
         finish_at_end(tracer, up)
         finish_at_end(tracer, down)
-        specials = special_points(tracer, down, odd)
         path = Path(name, tracer, odd, reversed_path(down)[:-1] + up, begins=begin, ends=end)
+        specials = special_points(tracer, down, odd, path.remarks)
         back = [
             (i, replace(s, point=Point(s.point.settled, -s.point.tangent, -s.point.arc)))
             for i, s in reversed(specials)
         ]
-        ahead = [(i + len(down) - 1, s) for i, s in special_points(tracer, up, odd)]
+        ahead = [(i + len(down) - 1, s) for i, s in special_points(tracer, up, odd, path.remarks)]
         path.specials = [*back, *ahead]
         return path
 
     def succession(self) -> Iterator[Path]:
         """3D, L_j, 3D-Lj, L_k, ...: the paths of lowest energy, until the outer rod runs out."""
         if self.twisted:
-            path = self.paths["3D"] = self._from_straight("3D", STRAIGHT_TWISTED, FULL, None)
-            self._join_first(path)
+            path = self._from_straight("3D", STRAIGHT_TWISTED, FULL, None)
         else:
             origin = self.ax()
             if not origin.pitchforks:
@@ -278,12 +280,6 @@ class Catalogue:
                 return
             path = self.space_path(f"3D-{planar.name}", planar, later[0][0])
             yield path
-
-    def _join_first(self, path: Path) -> None:
-        """Cut the twisted rod's first space path where it meets a plane."""
-        if path.ends == "":
-            crossed = crossed_plane(path.points[-2].state, path.points[-1].state)
-            self._join(path, crossed)
 
     def pt(self) -> Path:
         """The point-symmetric planar path, by lowering f_gamma at fixed end-shortening."""
@@ -350,7 +346,8 @@ class Catalogue:
             count += 1
             try:
                 path = self.space_path(f"Tri{count}", origin, number)
-            except NotConverged:
+            except NotConverged as error:
+                self.missed.append(f"Tri{count}: {error}")
                 continue
             yield path
 
@@ -360,7 +357,9 @@ class Catalogue:
         """A path with every point refined, its error estimated and its unstable modes counted."""
         specials = {id(s): i for i, (_, s) in enumerate(path.specials)}
         even = path.tracer.mirror
-        branch = Branch(path.name, even, [], begins=path.begins, ends=path.ends)
+        branch = Branch(
+            path.name, even, [], begins=path.begins, ends=path.ends, remarks=path.remarks
+        )
         for at_start, tracer, joint, partner in path.joints:
             if at_start:
                 branch.bifurcations.append(Bifurcation(0, "pitchfork", partner, joint.function))

@@ -9,6 +9,7 @@ from derod.branches.branch import Branch
 from derod.branches.catalogue import Catalogue, Path, PathNotFound
 from derod.branches.outcome import NotConverged
 from derod.branches.parameters import Parameters
+from derod.branches.special import SpuriousPoint
 from derod.branches.straight import NoBuckling
 
 FAMILIES = ("Ax", "3D", "L", "Pt", "Tri")
@@ -60,12 +61,14 @@ def compute_branches(
             f"{path.name:8s} delta {first.end_shortening:8.5f} .. {last.end_shortening:8.5f}  "
             f"{len(path.points):4d} points, {len(path.specials)} special  ends: {path.ends}"
         )
+        for remark in path.remarks:
+            progress(f"         {remark}")
 
     def trace(name: str, work: Callable[[], Iterable[Path]]) -> None:
         try:
             for path in work():
                 report(path)
-        except (PathNotFound, NoBuckling, NotConverged) as error:
+        except (PathNotFound, NoBuckling, NotConverged, SpuriousPoint) as error:
             complaints.append(f"{name}: {error}")
 
     planar_start = not catalogue.twisted
@@ -77,6 +80,7 @@ def compute_branches(
         trace("Pt", lambda: [catalogue.pt()])
     if "Tri" in families and planar_start and "Ax" in catalogue.paths:
         trace("Tri", catalogue.triangles)
+    complaints += catalogue.missed
     branches = []
     for name, path in catalogue.paths.items():
         if wanted(name, asked):

@@ -59,16 +59,16 @@ class Parameters:
                 value=bending,
                 allowed="one number",
             )
-        if scene.drop.weight != 0.0:
+        if scene.require_drop().weight != 0.0:
             raise SceneError(
                 "has no branches: the paper's boundary-value problem is for a weightless drop",
                 file=scene.path,
                 key="drop.weight",
-                value=scene.drop.weight,
+                value=scene.require_drop().weight,
                 allowed="0",
             )
         for key in ("capillary_force", "wall_strength"):
-            value = getattr(scene.drop, key)
+            value = getattr(scene.require_drop(), key)
             if not value > 0.0:
                 raise SceneError(
                     "has no branches: without it no coil forms inside the drop",
@@ -80,9 +80,9 @@ class Parameters:
         return cls(
             length=scene.rod.length,
             twisting=scene.rod.twisting / bending,
-            capillary_force=scene.drop.capillary_force / bending,
-            wall_strength=scene.drop.wall_strength / bending,
-            wall_softness=scene.drop.wall_softness,
+            capillary_force=scene.require_drop().capillary_force / bending,
+            wall_strength=scene.require_drop().wall_strength / bending,
+            wall_softness=scene.require_drop().wall_softness,
             end_rotation=scene.clamps.end_rotation,
             bending=bending,
         )

@@ -117,6 +117,7 @@ def _write_branch(group: h5py.Group, branch: Branch) -> None:
         row["test_function"] = special.function
     group.attrs["begins"] = branch.begins
     group.attrs["ends"] = branch.ends
+    group.attrs["remarks"] = "\n".join(branch.remarks)
     group.attrs["mirror"] = branch.even.name
     group["table"] = table
     group["bifurcations"] = bifurcations
@@ -135,6 +136,7 @@ class StoredBranch:
         self.bifurcations: np.ndarray = group["bifurcations"][:]
         self.begins = str(group.attrs["begins"])
         self.ends = str(group.attrs["ends"])
+        self.remarks = str(group.attrs["remarks"]).splitlines()
         self.mirror = str(group.attrs["mirror"])
         self._nodes = group["nodes"][:]
         self._eta = group["eta"][:]

@@ -15,6 +15,16 @@ SERIES_LIMIT = 0.06  # phi = 0.35 rad; the ten terms leave 1e-16
 
 
 @kernel
+def small_squared_angle(u: float) -> tuple[float, float]:
+    """Return phi^2 and its derivative by u, for u < SERIES_LIMIT."""
+    value, first = 0.0, 0.0
+    for c in SERIES:  # Horner's rule, and its derivative
+        first = first * u + value
+        value = value * u + c
+    return value * u, first * u + value
+
+
+@kernel
 def squared_angle(u: float) -> tuple[float, float, float]:
     """Return phi^2 and its first two derivatives by u."""
     if u < SERIES_LIMIT:

@@ -14,13 +14,18 @@ from typing import NamedTuple
 import numpy as np
 
 from derod.core import layout
-from derod.core.bending import add_bending_hessian, bending_energy, fill_bending_gradient
+from derod.core.bending import (
+    add_bending_hessian,
+    bending_energy,
+    fill_bending_gradient,
+    fill_turns,
+)
 from derod.core.defect import add_defect_gradient, add_defect_hessian, defect_energy
 from derod.core.jit import kernel
 from derod.core.kinematics import measure
-from derod.core.layout import X_C, Gradient, Hessian, Kinematics, Mesh, Physics
+from derod.core.layout import S_A, S_B, X_C, Gradient, Hessian, Kinematics, Mesh, Physics
 from derod.core.menisci import add_menisci_gradient, add_menisci_hessian, capillary_energy
-from derod.core.stretch import add_stretch_gradient, add_stretch_hessian
+from derod.core.stretch import add_stretch, add_stretch_gradient, add_stretch_hessian
 from derod.core.twist import add_twist_gradient, add_twist_hessian, holonomy, twisting_moment
 from derod.core.wall import add_wall_gradient, add_wall_hessian, wall_energy
 
@@ -100,10 +105,26 @@ def gradient(physics, mesh, q, b, psi, end_rotation, room):
     The rows of r for the clamped ends hold the clamps' reactions: r[N, :d] is dL/dx_N, whose axial
     part is the end tension t.
     """
+    sound = constraints(physics, mesh, q, b, room)
+    psi, finite = forces(physics, q, b, psi, end_rotation, room)
+    return psi, sound and finite
+
+
+@kernel
+def constraints(physics, mesh, q, b, room):
+    """Measure the rod and fill the stretch constraints; return False where an edge has no length."""
+    sound = measure(physics, mesh, q, b, room.kin)
+    fill_turns(physics, room.kin, room.grad)
+    add_stretch(room.kin, room.grad)
+    return sound
+
+
+@kernel
+def forces(physics, q, b, psi, end_rotation, room):
+    """Do what ``gradient`` does, after ``constraints``."""
     d = len(physics.axis)
     kin, grad, tension = room.kin, room.grad, room.tension
     n = q.shape[0] - 1
-    sound = measure(physics, mesh, q, b, kin)
     for e in range(1, n + 1):
         tension[e] = q[e, d]
     grad.node[:] = 0.0
@@ -117,22 +138,27 @@ def gradient(physics, mesh, q, b, psi, end_rotation, room):
     if d == 3:
         psi = holonomy(physics, kin, psi, grad)
         add_twist_gradient(kin, twisting_moment(physics, end_rotation, psi), grad)
+    grad.edge[0] = 0.0  # the clamps' tangents do not move
+    grad.edge[n + 1] = 0.0
     total = 0.0
     for i in range(n + 1):
         for k in range(d):
-            f = grad.node[i, k]
-            grad.border[X_C + k] -= f  # moving the drop is moving the nodes back
-            f += grad.edge[i, k] if i > 0 else 0.0
-            f -= grad.edge[i + 1, k] if i < n else 0.0
+            f = grad.node[i, k] + grad.edge[i, k] - grad.edge[i + 1, k]
             room.r[i, k] = f
             total += f
-        room.r[i, d] = grad.constraint[i] if i > 0 else 0.0
-        total += room.r[i, d]
-    for s in range(2):
-        for e in range(1, n + 1):
-            grad.border[s] += grad.rest[e] * kin.slope[s, e]
+        room.r[i, d] = grad.constraint[i]
+        total += grad.constraint[i]
+    for i in range(kin.node_a, kin.node_b + 1):
+        for k in range(d):
+            grad.border[X_C + k] -= grad.node[i, k]  # moving the drop is moving the nodes back
+    by_a, by_b = 0.0, 0.0
+    for e in range(1, n + 1):
+        by_a += grad.rest[e] * kin.slope[0, e]
+        by_b += grad.rest[e] * kin.slope[1, e]
+    grad.border[S_A] += by_a
+    grad.border[S_B] += by_b
     room.rb[:] = grad.border
-    return psi, sound and np.isfinite(total) and np.isfinite(np.sum(room.rb))
+    return psi, np.isfinite(total) and np.isfinite(np.sum(room.rb))
 
 
 @kernel

@@ -17,7 +17,7 @@ so that the Lagrangian holds sum_i C_i phi_i^2 with
 
 from __future__ import annotations
 
-from derod.core.angle import squared_angle
+from derod.core.angle import SERIES_LIMIT, small_squared_angle, squared_angle
 from derod.core.jit import kernel
 
 
@@ -28,6 +28,30 @@ def vertex_turn(axis, tangent, i):
     for k in range(len(axis)):
         u += (tangent[i, k] - tangent[i + 1, k]) ** 2
     return 0.5 * u
+
+
+@kernel
+def fill_turns(physics, kin, grad):
+    """Measure the turning angles, and set the arcs' share of the stretch constraints.
+
+    The loops are apart so that the series runs on several vertices at once.
+    """
+    for i in range(kin.rest.size - 1):
+        kin.fall[i] = vertex_turn(physics.axis, kin.tangent, i)
+    small = True
+    for i in range(kin.rest.size - 1):
+        kin.turn[i], kin.turn_slope[i] = small_squared_angle(kin.fall[i])
+        small &= kin.fall[i] < SERIES_LIMIT
+    if not small:
+        for i in range(kin.rest.size - 1):
+            kin.turn[i], kin.turn_slope[i], _ = squared_angle(kin.fall[i])
+    before = 0.0  # the first vertex's share of its second edge
+    for i in range(kin.rest.size - 1):
+        p, r = kin.rest[i], kin.rest[i + 1]
+        share = kin.turn[i] * kin.weight[i] * kin.weight[i] / 12
+        grad.constraint[i] = before + share * p * p * p
+        before = share * r * r * r
+    grad.constraint[kin.rest.size - 1] = before
 
 
 @kernel
@@ -42,31 +66,26 @@ def bending_energy(physics, kin):
 
 @kernel
 def fill_bending_gradient(physics, kin, tension, grad):
-    """Set the derivatives of sum C_i phi_i^2 by the edges, the tensions and the rest lengths."""
+    """Set the derivatives of sum C_i phi_i^2 by the edges and the rest lengths; after ``fill_turns``."""
     tangent = kin.tangent
     grad.edge[0] = 0.0
-    grad.constraint[0] = 0.0
     grad.rest[0] = 0.0
     for i in range(kin.rest.size - 1):
-        u = vertex_turn(physics.axis, tangent, i)
-        phi2, slope, _ = squared_angle(u)
+        cosine = 1 - kin.fall[i]
         p, r = kin.rest[i], kin.rest[i + 1]
         tp, tr = tension[i], tension[i + 1]
-        w = 1.0 / (p + r)
+        w = kin.weight[i]
         p2, r2 = p * p, r * r
         x = tp * p2 * p + tr * r2 * r
-        c = w + x * w * w / 12
-        cosine = 1 - u
         # du/de_i = -(b - cos a)/|e_i|,  du/de_{i+1} = -(a - cos b)/|e_{i+1}|
-        fp = -c * slope * kin.inverse[i]
-        fr = -c * slope * kin.inverse[i + 1]
+        f = -(w + x * w * w / 12) * kin.turn_slope[i]
+        fp = f * kin.inverse[i]
+        fr = f * kin.inverse[i + 1]
         for k in range(len(physics.axis)):
             a, b = tangent[i, k], tangent[i + 1, k]
             grad.edge[i, k] += fp * (b - cosine * a)
             grad.edge[i + 1, k] = fr * (a - cosine * b)
-        share = phi2 * w * w
-        grad.constraint[i] += share * p2 * p / 12
-        grad.constraint[i + 1] = share * r2 * r / 12
+        share = kin.turn[i] * w * w
         grad.rest[i] += share * (-1 + tp * p2 / 4 - x * w / 6)
         grad.rest[i + 1] = share * (-1 + tr * r2 / 4 - x * w / 6)
 

@@ -19,8 +19,8 @@ from derod.core.jit import kernel
 @kernel
 def difference(axis, kin, e, d):
     """Fill ``d`` for edge e; return (alpha, beta, sigma = t.s, F)."""
-    alpha = 2.0 / (kin.rest[e] + kin.rest[e + 1])
-    beta = 2.0 / (kin.rest[e - 1] + kin.rest[e])
+    alpha = 2.0 * kin.weight[e]
+    beta = 2.0 * kin.weight[e - 1]
     sigma = 0.0
     for k in range(len(axis)):
         d[k] = alpha * kin.tangent[e + 1, k] + beta * kin.tangent[e - 1, k]
@@ -92,12 +92,12 @@ def add_defect_hessian(physics, kin, d, hess):
             # components across the neighbours: of d, of t; and of t's neighbours across t
             dr_k, dl_k = d[k] - right * r[k], d[k] - left * l[k]
             or_k, ol_k = o[k] - cr * r[k], o[k] - cl * l[k]
-            ro_k, lo_k = r[k] - cr * o[k], l[k] - cl * o[k]
+            ro_k = r[k] - cr * o[k]
             for m in range(n):
                 same = 1.0 if k == m else 0.0
                 dr_m, dl_m = d[m] - right * r[m], d[m] - left * l[m]
                 or_m, ol_m = o[m] - cr * r[m], o[m] - cl * l[m]
-                ro_m, lo_m = r[m] - cr * o[m], l[m] - cl * o[m]
+                lo_m = l[m] - cl * o[m]
                 hess.edge[e, k, m] += (
                     weight
                     * io
@@ -133,10 +133,18 @@ def add_defect_hessian(physics, kin, d, hess):
                 )
                 # rows: edge e, columns: edge e+1; and rows: e-1, columns: e
                 hess.vertex[e, k, m] -= (
-                    weight * alpha * io * ir * (d[k] * or_m + sigma * (same - o[k] * o[m] - ro_k * r[m]))
+                    weight
+                    * alpha
+                    * io
+                    * ir
+                    * (d[k] * or_m + sigma * (same - o[k] * o[m] - ro_k * r[m]))
                 )
                 hess.vertex[e - 1, k, m] -= (
-                    weight * beta * io * il * (ol_k * d[m] + sigma * (same - o[k] * o[m] - l[k] * lo_m))
+                    weight
+                    * beta
+                    * io
+                    * il
+                    * (ol_k * d[m] + sigma * (same - o[k] * o[m] - l[k] * lo_m))
                 )
                 # rows: e-1, columns: e+1 of (1 - l l^T)(1 - t t^T)(1 - r r^T)
                 hess.skip[e, k, m] += (

@@ -1,291 +1,245 @@
 """Explicit dynamic relaxation: fictitious masses, no time step and no damping constant to choose.
 
-Inextensibility and the menisci's places are held by an augmented Lagrangian,
+Inextensibility and the menisci's places are held by an augmented Lagrangian, mu = lambda + kappa g,
+whose multipliers lambda are renewed whenever the forces have fallen by a factor, so that no strain is left
+in the answer. ``masses`` makes the time step 1 stable. Damping is either
 
-    mu = lambda + kappa g,   kappa = 16/l^3 of the shortest edge
+    FIRE (Bitzek et al. 2006, Guenole et al. 2020): the velocity is turned toward the force, the time
+    step grows as long as the power F.v is positive
+    kinetic (Cundall 1976, Barnes 1999): undamped, stopped at each peak of the kinetic energy
 
-whose multipliers are renewed whenever the forces have fallen by a factor, so that no strain is left in
-the answer. The masses are block row sums of its Hessian: with them the stable time step is 1 for every
-mesh. A node has its own mass along the rod and across, so that kappa, alike everywhere, lets tension
-travel fast without making the rod heavy to bend.
-Damping is FIRE's (Bitzek et al. 2006) or kinetic (restart at each peak of the kinetic energy).
+and both stop where the power changes sign, half a step back, which halves at least what overshot.
 """
 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
-from derod.core.assembly import gradient, hessian
+from derod.core.assembly import constraints, forces
 from derod.core.jit import kernel
 from derod.core.layout import S_A, S_B, X_C
-from derod.core.residual import excess
-from derod.core.wall import wall_gap
-from derod.linalg.bordered import subtract_product
+from derod.core.residual import EPS, excess
+from derod.core.wall import squared_distance, wall_gap
 
-STIFFNESS = 16.0  # of a stretched edge, over the shortest length cubed
-SAFETY = 1.3  # masses over what Gershgorin's circles ask for
 GAP_SHARE = 0.125  # of the least wall gap that a node may move in one step
+ROTATION = 0.1  # rad that an edge may turn in one step
 RENEW = 0.3  # forces fall by this between two renewals of the multipliers
+STRAIN = 1e-3  # of the tolerance on forces, the relative one on lengths
+LOOK = 10  # steps between two looks at the residual
 FIRE_GROW, FIRE_CUT, FIRE_MIX, FIRE_FADE, FIRE_WAIT = 1.1, 0.5, 0.25, 0.99, 5
-STEP, MIX, SINCE, KINETIC, LEVEL = 0, 1, 2, 3, 4  # places in the memory
-MEMORY = 5
+LEAST_STEP, LARGEST_STEP = 0.02, 1.0  # in units of the stable one
+STEP, MIX, SINCE, LEVEL = 0, 1, 2, 3  # places in ``Motion.memory``
+
+
+class Motion(NamedTuple):
+    """Velocities and what the damping remembers."""
+
+    velocity: np.ndarray  # (N+1, d) of the nodes, relative to what the wetted length carries
+    momentum: np.ndarray  # (N+1, d)
+    pull: np.ndarray  # (N+1, d) accelerations
+    border: np.ndarray  # (1+d,) velocities of half the wetted length and of x_C
+    border_pull: np.ndarray  # (1+d,)
+    tension: np.ndarray  # (N+1,) lambda of the edges
+    force: np.ndarray  # (2,) lambda of the menisci, f_A and f_B
+    memory: (
+        np.ndarray
+    )  # (4,) time step, FIRE's mixing, steps since the stop, level of the next renewal
+
+
+def new_motion(edges: int, d: int) -> Motion:
+    """Return a state of rest."""
+    return Motion(
+        np.zeros((edges + 1, d)),
+        np.zeros((edges + 1, d)),
+        np.zeros((edges + 1, d)),
+        np.zeros(1 + d),
+        np.zeros(1 + d),
+        np.zeros(edges + 1),
+        np.zeros(2),
+        np.array([0.1, FIRE_MIX, 0.0, 0.0]),
+    )
 
 
 @kernel
-def stiffness(kin):
-    """Return kappa, the penalty of all constraints."""
-    shortest = kin.rest[1]
-    for e in range(2, kin.rest.size - 1):
-        shortest = min(shortest, kin.rest[e])
-    return STIFFNESS / (shortest * shortest * shortest)
-
-
-@kernel
-def carry(kin, d, field):
-    """Fill ``field`` (N+1, d): where the nodes go as the wetted length grows by 2, the curve held fast.
-
-    The menisci move by -1 and +1, and every node slides along the tangent with its arc length.
-    """
-    place = 0.0
-    for i in range(1, field.shape[0] - 1):
-        place += kin.slope[1, i] - kin.slope[0, i]
-        for k in range(d):
-            field[i, k] = 0.5 * place * (kin.tangent[i, k] + kin.tangent[i + 1, k])
-
-
-@kernel
-def masses(physics, q, b, psi, end_rotation, room, factor, kappa, field, inverse, mb):
-    """Fill the inverse masses of the nodes (N+1, d, d), and those of the wetted length and x_C.
-
-    A node's mass is the block row sum of the augmented Lagrangian's Hessian, times SAFETY/4, so that
-    the step 1 is stable: isotropic from the rod and the wall, directed from the constraints, of which
-    (sum g_i . x_i)^2 <= (sum |g_i|) sum (g_i . x_i)^2 / |g_i|. The wetted length grows with the nodes
-    carried along (``carry``): its row is the product of the Hessian with that motion, and its mass
-    mb[0]. ``gradient`` was taken at the state.
-    """
+def evaluate(physics, mesh, end_rotation, psi, room, q, b, inertia, motion):
+    """Set mu in q and b and the forces in ``room``; return (psi, sound)."""
     d = len(physics.axis)
-    n = q.shape[0] - 1
-    kin, linear = room.kin, room.linear
-    hessian(physics, q, b, psi, end_rotation, room)
-    carry(kin, d, field)
-    grown, grown_border = carried_product(physics, linear, factor, kappa, field)
-    band, border, corner = linear.band, linear.border, linear.corner
-    inverse[:] = 0.0
-    mb[:] = 0.0
-    for i in range(1, n):
-        largest = 0.0
-        for k in range(d):
-            j = (d + 1) * (i - 1) + k
-            total = abs(grown[j])
-            mb[0] += total
-            for o in range(max(1, i - 2), min(n - 1, i + 2) + 1):
-                for m in range(d):
-                    c = (d + 1) * (o - 1) + m
-                    total += abs(band[min(j, c), abs(j - c)])
-            for m in range(d):
-                total += abs(border[j, X_C + m])
-                mb[X_C + m] += abs(border[j, X_C + m])
-            largest = max(largest, total)
-        for k in range(d):
-            inverse[i, k, k] += largest
-    for k in range(d):
-        mb[0] += abs(grown_border[X_C + k])
-        mb[X_C + k] += abs(grown_border[X_C + k])
-        for m in range(d):
-            mb[X_C + k] += abs(corner[X_C + k, X_C + m])
-    own = grown_border[S_B] - grown_border[S_A]
-    for i in range(1, n):
-        for k in range(d):
-            own += field[i, k] * grown[(d + 1) * (i - 1) + k]
-    mb[0] += abs(own)
-    slopes = np.zeros((4, d))
-    sizes = np.zeros(4)
-    for e in range(1, n + 1):
-        row = (d + 1) * (e - 1) + d
-        first, last = max(1, e - 2), min(n - 1, e + 1)
-        for o in range(first, last + 1):
-            square = 0.0
-            for m in range(d):
-                c = (d + 1) * (o - 1) + m
-                slopes[o - first, m] = band[min(row, c), abs(row - c)]
-                square += slopes[o - first, m] ** 2
-            sizes[o - first] = math.sqrt(square)
-        total = np.sum(sizes[: last - first + 1])
-        for o in range(first, last + 1):
-            add_direction(inverse[o], slopes[o - first], kappa * total / (sizes[o - first] + 1e-300))
-    for side in range(2):
-        i = kin.node_a if side == 0 else kin.node_b
-        for k in range(d):
-            slopes[0, k] = border[(d + 1) * (i - 1) + k, X_C + d + side]
-            mb[X_C + k] += 2 * kappa * abs(slopes[0, k])
-        add_direction(inverse[i], slopes[0], 2 * kappa)
-    if d == 3:  # twist: k3/l grad psi grad psi
-        total = np.sum(np.abs(border[:, d + 5])) * physics.twisting / physics.length
-        for i in range(1, n):
-            for k in range(d):
-                inverse[i, k, k] += total * abs(border[(d + 1) * (i - 1) + k, d + 5])
-    for i in range(1, n):
-        inverse[i] = np.linalg.inv(0.25 * SAFETY * inverse[i])
-    mb *= 0.25 * SAFETY
-
-
-@kernel
-def add_direction(block, g, weight):
-    """Add weight g g^T to a block."""
-    for k in range(g.size):
-        for m in range(g.size):
-            block[k, m] += weight * g[k] * g[m]
-
-
-@kernel
-def carried_product(physics, linear, factor, kappa, field):
-    """Return the augmented Lagrangian's Hessian times the motion of ``carry``: (band rows, border)."""
-    d = field.shape[1]
-    n = field.shape[0] - 1
-    x, y = factor.rhs, factor.rhs_border
-    out, out_border = factor.right, factor.right_border
-    x[:] = 0.0
-    y[:] = 0.0
-    out[:] = 0.0
-    out_border[:] = 0.0
-    for i in range(1, n):
-        for k in range(d):
-            x[(d + 1) * (i - 1) + k] = -field[i, k]
-    y[S_A], y[S_B] = 1.0, -1.0
-    subtract_product(linear, x, y, out, out_border)
-    # the constraints' share, grad g kappa (grad g . motion), by a second product
-    x[:] = 0.0
-    y[:] = 0.0
-    for e in range(1, n + 1):
-        x[(d + 1) * (e - 1) + d] = -kappa * out[(d + 1) * (e - 1) + d]
-    for side in range(2):
-        y[X_C + d + side] = -kappa * out_border[X_C + d + side]
-    if d == 3:
-        y[d + 5] = -physics.twisting / physics.length * out_border[d + 5]
-    subtract_product(linear, x, y, out, out_border)
-    return out, out_border
-
-
-@kernel
-def augment(physics, room, kappa, base, base_f, q, b):
-    """Set the multipliers in q and b to mu = lambda + kappa g, with the g of the gradient last taken.
-
-    An edge's own length enters up to date; its arc's share, which hardly moves, with one step's delay.
-    """
-    d = len(physics.axis)
-    kin = room.kin
+    sound = constraints(physics, mesh, q, b, room)
     for e in range(1, q.shape[0]):
-        g = room.grad.constraint[e]
-        square = 0.0
-        for k in range(d):
-            square += (q[e, k] - q[e - 1, k]) ** 2
-        g += 0.5 * (square - kin.size[e] * kin.size[e]) / kin.rest[e]
-        q[e, d] = base[e] + kappa * g
-    for side in range(2):
-        i = kin.node_a if side == 0 else kin.node_b
-        square = 0.0
-        for k in range(d):
-            square += (q[i, k] - b[X_C + k]) ** 2
-        b[X_C + d + side] = base_f[side] + kappa * (square - 0.25)
+        q[e, d] = motion.tension[e] + inertia.penalty[e] * room.grad.constraint[e]
+    for side in range(2 if physics.drop else 0):
+        i = room.kin.node_a if side == 0 else room.kin.node_b
+        off = squared_distance(physics, q, b, i) - 0.25
+        b[X_C + d + side] = motion.force[side] + inertia.menisci[0] * off
+    psi, finite = forces(physics, q, b, psi, end_rotation, room)
+    slide = 0.5 * (room.rb[S_A] + room.rb[S_B])  # the menisci only move as mirror images
+    b[X_C + d + 2] -= slide
+    room.rb[S_A] -= slide
+    room.rb[S_B] -= slide
+    return psi, sound and finite
 
 
 @kernel
-def damp(kinetic, power, speed2, force2, memory):
-    """Return (dt, factor on the velocity, factor on force/mass) of this step; update the memory.
+def accelerate(room, inertia, motion):
+    """Fill the accelerations; return the power F.v, v.M v and F.M^-1 F."""
+    r, rb = room.r, room.rb
+    n, d = motion.velocity.shape[0] - 1, motion.velocity.shape[1]
+    growth = rb[S_A] - rb[S_B]  # the force on half the wetted length
+    power, speed2, force2 = 0.0, 0.0, 0.0
+    for i in range(1, n):
+        for k in range(d):
+            f = -r[i, k]
+            growth += f * inertia.carried[i, k]
+            power += f * motion.velocity[i, k]
+            speed2 += motion.momentum[i, k] * motion.velocity[i, k]
+            a = 0.0
+            for m in range(d):
+                a -= inertia.inverse[i, k, m] * r[i, m]
+            motion.pull[i, k] = a
+            force2 += f * a
+    for k in range(1 + d):
+        f = growth if k == 0 else -rb[X_C + k - 1]
+        mass = inertia.wetted[0] if k == 0 else inertia.centre[k - 1]
+        v = motion.border[k]
+        power += f * v
+        speed2 += mass * v * v
+        force2 += f * f / mass
+        motion.border_pull[k] = f / mass
+    return power, speed2, force2
 
-    ``power`` is F.v; ``speed2`` = v.m v and ``force2`` = F.F/m are the squared norms FIRE mixes.
+
+@kernel
+def damp(kinetic, speed2, force2, memory):
+    """Return (factor on the velocity, factor on the acceleration) of this step; update the memory.
+
+    FIRE's mixing, v <- (1 - alpha) v + alpha |v| F/|F|, is itself a step down the force, of length
+    dt alpha |v|/|F|. Where soft modes move, |v|/|F| is large, and that step would be unstable for the stiff
+    ones (they grow until the power turns negative, over and over): alpha is limited so that it is not.
     """
-    if kinetic:
-        if speed2 < memory[KINETIC]:
-            memory[KINETIC] = 0.0
-            return 1.0, 0.0, 1.0
-        memory[KINETIC] = speed2
-        return 1.0, 1.0, 1.0
-    if power <= 0:
-        memory[STEP] = max(FIRE_CUT * memory[STEP], 0.02)
-        memory[MIX] = FIRE_MIX
-        memory[SINCE] = 0
-        return memory[STEP], 0.0, memory[STEP]
     memory[SINCE] += 1
-    mix = memory[MIX]
+    if memory[SINCE] == 1:  # from rest, half a kick
+        return 0.0, 0.5 * memory[STEP]
+    if kinetic:
+        return 1.0, memory[STEP]
     if memory[SINCE] > FIRE_WAIT:
-        memory[STEP] = min(FIRE_GROW * memory[STEP], 1.0)
+        memory[STEP] = min(FIRE_GROW * memory[STEP], LARGEST_STEP)
         memory[MIX] *= FIRE_FADE
-    steer = mix * math.sqrt(speed2 / (force2 + 1e-300))
-    return memory[STEP], 1 - mix, memory[STEP] + steer
+    slowness = math.sqrt(speed2 / (force2 + 1e-300))
+    mix = min(memory[MIX], 0.25 * memory[STEP] / (slowness + 1e-300))
+    return 1 - mix, memory[STEP] + mix * slowness
+
+
+@kernel
+def stop(kinetic, memory):
+    """Come to rest; FIRE's time step is cut."""
+    memory[SINCE] = 0
+    memory[MIX] = FIRE_MIX
+    if not kinetic:
+        memory[STEP] = max(FIRE_CUT * memory[STEP], LEAST_STEP)
+
+
+@kernel
+def push(room, keep, kick, motion):
+    """Change the velocities to keep v + kick F/m; return (largest, fastest turn of an edge)."""
+    n, d = motion.velocity.shape[0] - 1, motion.velocity.shape[1]
+    fastest, turning = 0.0, 0.0
+    for i in range(1, n + 1):
+        square = 0.0
+        for k in range(d):
+            if i < n:
+                motion.momentum[i, k] = keep * motion.momentum[i, k] - kick * room.r[i, k]
+                motion.velocity[i, k] = keep * motion.velocity[i, k] + kick * motion.pull[i, k]
+            v = motion.velocity[i, k]
+            fastest = max(fastest, abs(v))
+            square += (v - motion.velocity[i - 1, k]) ** 2
+        turning = max(turning, square * room.kin.inverse[i] ** 2)
+    for k in range(1 + d):
+        motion.border[k] = keep * motion.border[k] + kick * motion.border_pull[k]
+        fastest = max(fastest, abs(motion.border[k]))
+    return fastest, math.sqrt(turning)
+
+
+@kernel
+def slow_down(factor, motion):
+    """Scale the velocities."""
+    motion.velocity[:] *= factor
+    motion.momentum[:] *= factor
+    motion.border[:] *= factor
+
+
+@kernel
+def move(dt, q, b, inertia, motion):
+    """Move the state along the velocities."""
+    n, d = motion.velocity.shape[0] - 1, motion.velocity.shape[1]
+    growth = dt * motion.border[0]
+    for i in range(1, n):
+        for k in range(d):
+            q[i, k] += dt * motion.velocity[i, k] + growth * inertia.carried[i, k]
+    b[S_A] -= growth
+    b[S_B] += growth
+    for k in range(d):
+        b[X_C + k] += dt * motion.border[1 + k]
+
+
+@kernel
+def strain(physics, room, tolerance):
+    """Return the largest ratio of a constraint's violation to what is allowed.
+
+    The energy of a strained state is off by lambda g, to first order, while forces may be settled:
+    lengths are held to a finer tolerance than forces.
+    """
+    d = len(physics.axis)
+    rounding = 8 * EPS * physics.length
+    worst = 0.0
+    for e in range(1, room.r.shape[0]):
+        worst = max(worst, abs(room.r[e, d]) / (tolerance * room.kin.rest[e] + rounding))
+    for k in range(X_C + d, X_C + d + 2):
+        worst = max(worst, abs(room.rb[k]) / (tolerance + rounding))
+    return worst
 
 
 @kernel
 def explicit_steps(
-    physics, mesh, end_rotation, tolerance, kinetic, steps, psi, room, q, b, kappa, base, base_f, field,
-    vq, pq, pull, vb, inverse, mb, memory
+    physics, mesh, end_rotation, tolerance, kinetic, steps, psi, room, q, b, inertia, motion
 ):
     """Move the state (q, b, psi) in place by up to ``steps`` damped steps.
 
-    ``base``, ``base_f`` hold lambda, ``vq``, ``vb`` the velocities, ``pq`` the momenta, ``memory`` the
-    damping's state; all go on from call to call. On return the gradient in ``room`` is that of the state.
+    ``motion`` goes on from call to call. On return the gradient in ``room`` is that of the state.
     Returns (steps done, psi, excess, force residual, sound).
     """
     d = len(physics.axis)
-    n = q.shape[0] - 1
-    psi, sound = gradient(physics, mesh, q, b, psi, end_rotation, room)
+    memory = motion.memory
+    psi, sound = evaluate(physics, mesh, end_rotation, psi, room, q, b, inertia, motion)
     gap = wall_gap(physics, room.kin, q, b)
     done = 0
     worst, force = excess(physics, room.r, room.rb, room.kin, tolerance)
+    worst = max(worst, strain(physics, room, STRAIN * tolerance))
     while done < steps and sound and gap > 0:
-        r, rb = room.r, room.rb
-        b[X_C + d + 2] -= 0.5 * (rb[S_A] + rb[S_B])  # the pinned sliding
-        growth = rb[S_B] - rb[S_A]
-        power, speed2, force2 = 0.0, mb[0] * vb[0] * vb[0], 0.0
-        for i in range(1, n):
-            for k in range(d):
-                f = -r[i, k]
-                growth -= f * field[i, k]
-                power += f * vq[i, k]
-                speed2 += pq[i, k] * vq[i, k]
-                a = 0.0
-                for m in range(d):
-                    a -= inverse[i, k, m] * r[i, m]
-                pull[i, k] = a
-                force2 += f * a
-        power -= growth * vb[0]
-        force2 += growth * growth / mb[0]
-        for k in range(X_C, X_C + d):
-            power -= rb[k] * vb[k]
-            speed2 += mb[k] * vb[k] * vb[k]
-            force2 += rb[k] * rb[k] / mb[k]
-        dt, keep, push = damp(kinetic, power, speed2, force2, memory)
-        vb[0] = keep * vb[0] - push * growth / mb[0]
-        fastest = abs(vb[0])
-        for k in range(X_C, X_C + d):
-            vb[k] = keep * vb[k] - push * rb[k] / mb[k]
-            fastest = max(fastest, abs(vb[k]))
-        for i in range(1, n):
-            for k in range(d):
-                pq[i, k] = keep * pq[i, k] - push * r[i, k]
-                v = keep * vq[i, k] + push * pull[i, k]
-                vq[i, k] = v
-                fastest = max(fastest, abs(v))
-        dt = min(dt, GAP_SHARE * gap / (fastest + 1e-300))
-        for i in range(1, n):
-            for k in range(d):
-                q[i, k] += dt * (vq[i, k] + field[i, k] * vb[0])
-        b[S_A] -= dt * vb[0]
-        b[S_B] += dt * vb[0]
-        for k in range(X_C, X_C + d):
-            b[k] += dt * vb[k]
-        augment(physics, room, kappa, base, base_f, q, b)
-        psi, sound = gradient(physics, mesh, q, b, psi, end_rotation, room)
+        power, speed2, force2 = accelerate(room, inertia, motion)
+        if memory[SINCE] > 0 and power <= 0:
+            move(-0.5 * memory[STEP], q, b, inertia, motion)
+            stop(kinetic, memory)
+        else:
+            keep, kick = damp(kinetic, speed2, force2, memory)
+            fastest, turning = push(room, keep, kick, motion)
+            used = memory[STEP] * max(fastest / (GAP_SHARE * gap), turning / ROTATION)
+            if used > 1:
+                slow_down(1 / used, motion)
+            move(memory[STEP], q, b, inertia, motion)
+        psi, sound = evaluate(physics, mesh, end_rotation, psi, room, q, b, inertia, motion)
         gap = wall_gap(physics, room.kin, q, b)
         done += 1
-        if done % 10 == 0 or done == steps:
+        if done % LOOK == 0 or done == steps:
             worst, force = excess(physics, room.r, room.rb, room.kin, tolerance)
-            if worst <= 1:
+            if worst <= 1 and strain(physics, room, STRAIN * tolerance) <= 1:
                 break
-            if force <= max(memory[LEVEL], 0.5 * tolerance):  # settled for these multipliers
-                base[1:] = q[1:, d]
-                base_f[0], base_f[1] = b[X_C + d], b[X_C + d + 1]
+            # settled for these multipliers, or for good but for a strain that would show in the energy
+            if worst <= 1 or force <= max(memory[LEVEL], 0.5 * tolerance):
+                motion.tension[1:] = q[1:, d]
+                motion.force[0], motion.force[1] = b[X_C + d], b[X_C + d + 1]
                 memory[LEVEL] = RENEW * force
+    worst = max(worst, strain(physics, room, STRAIN * tolerance))
     return done, psi, worst, force, sound and gap > 0

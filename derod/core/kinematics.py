@@ -28,4 +28,6 @@ def measure(physics, mesh, q, b, kin):
             kin.tangent[e, k] *= inverse
         if not (size > 0.0 and kin.rest[e] > 0.0):
             least = 0.0
+    for i in range(kin.rest.size - 1):
+        kin.weight[i] = 1.0 / (kin.rest[i] + kin.rest[i + 1])
     return least > 0.0

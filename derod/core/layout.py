@@ -59,6 +59,10 @@ class Kinematics(NamedTuple):
     size: np.ndarray  # (N+2,) |e|, D
     inverse: np.ndarray  # (N+2,) 1/|e|
     tangent: np.ndarray  # (N+2, d) e / |e|
+    fall: np.ndarray  # (N+1,) 1 - cos phi of the turning angles
+    weight: np.ndarray  # (N+1,) 1 / (l_i + l_{i+1})
+    turn: np.ndarray  # (N+1,) phi^2
+    turn_slope: np.ndarray  # (N+1,) d phi^2 / d(1 - cos phi)
     node_a: int  # the menisci's nodes
     node_b: int
 
@@ -105,6 +109,10 @@ def new_kinematics(mesh: Mesh, physics: Physics) -> Kinematics:
         np.ones(n),
         np.ones(n),
         tangent,
+        np.zeros(n - 1),
+        np.zeros(n - 1),
+        np.zeros(n - 1),
+        np.zeros(n - 1),
         node_a if physics.drop else 1,
         node_b if physics.drop else 0,
     )

@@ -4,8 +4,8 @@
 
 with M the dual lengths. Where a plain Newton step fails, or where only descent is wanted, the shift is
 raised until the energy has no direction of negative curvature left on the constraints: a step is then
-downhill. It falls to zero on approach, and the steps converge quadratically. Steps are limited by the gap to the wall (a barrier), by the
-rotation of an edge and by the lengths of the three regions.
+downhill. It falls to zero on approach, and the steps converge quadratically. Steps are limited by the
+gap to the wall (a barrier), by the rotation of an edge and by the lengths of the three regions.
 """
 
 from __future__ import annotations
@@ -14,7 +14,6 @@ import numpy as np
 
 from derod.core.assembly import energies, gradient, hessian
 from derod.core.jit import kernel
-from derod.core.kinematics import measure
 from derod.core.layout import S_A, S_B, X_C
 from derod.core.residual import excess
 from derod.core.wall import wall_gap
@@ -219,7 +218,9 @@ def clamp_column(physics, room, x, y):
     d = len(physics.axis)
     hess = room.hess
     n = hess.node.shape[0] - 1
-    z = d - 1  # the clamp moves along the axis: dx_N = -e_z, so minus the change is the column itself
+    z = (
+        d - 1
+    )  # the clamp moves along the axis: dx_N = -e_z, so minus the change is the column itself
     x[:] = 0.0
     y[:] = 0.0
     for k in range(d):

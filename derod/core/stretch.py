@@ -1,6 +1,6 @@
 """Inextensibility: one multiplier an edge, which is the tension (equa:inext-constr).
 
-    lambda_e g_e,   g_e = (|e|^2 / l - l) / 2 + (the arc's share, see ``bending``)
+lambda_e g_e,   g_e = (|e|^2 / l - l) / 2 + (the arc's share, see ``bending``)
 """
 
 from __future__ import annotations
@@ -9,13 +9,20 @@ from derod.core.jit import kernel
 
 
 @kernel
+def add_stretch(kin, grad):
+    """Add the chords' share of the constraints g."""
+    for e in range(1, kin.rest.size - 1):
+        ratio = kin.size[e] / kin.rest[e]
+        grad.constraint[e] += 0.5 * kin.rest[e] * (ratio - 1) * (ratio + 1)
+
+
+@kernel
 def add_stretch_gradient(physics, kin, tension, grad):
-    """Add lambda e / l by the edges, g by the tensions, and by the rest lengths."""
+    """Add lambda e / l by the edges, and by the rest lengths."""
     for e in range(1, kin.rest.size - 1):
         ratio = kin.size[e] / kin.rest[e]
         for k in range(len(physics.axis)):
             grad.edge[e, k] += tension[e] * ratio * kin.tangent[e, k]
-        grad.constraint[e] += 0.5 * kin.rest[e] * (ratio - 1) * (ratio + 1)
         grad.rest[e] -= 0.5 * tension[e] * (ratio * ratio + 1)
 
 

@@ -36,14 +36,14 @@ def cross(tangent, i):
 def holonomy(physics, kin, remembered, grad):
     """Return psi on the branch nearest to ``remembered``, radians; fill grad(psi) by the edges.
 
-    Three dimensions only.
+    After ``fill_turns``. Three dimensions only.
     """
     w, x, y, z = 1.0, 0.0, 0.0, 0.0
     slope = grad.holonomy
     slope[0] = 0.0
     for i in range(kin.rest.size - 1):
         px, py, pz = cross(kin.tangent, i)
-        pw = 2 - vertex_turn(physics.axis, kin.tangent, i)  # 1 + a.b
+        pw = 2 - kin.fall[i]  # 1 + a.b
         inverse = 1.0 / pw
         left, right = inverse * kin.inverse[i], inverse * kin.inverse[i + 1]
         slope[i, 0] -= px * left
@@ -70,15 +70,22 @@ def holonomy(physics, kin, remembered, grad):
 @kernel
 def corner_area(kin, e, slope):
     """Return (1/8) t_- . (t x t_+) of edge e, and add its gradient to ``slope``."""
-    l, o, r = kin.tangent[e - 1], kin.tangent[e], kin.tangent[e + 1]
-    area = 0.0
-    for k in range(3):
-        area += 0.125 * l[k] * cross_component(o, r, k)
-    for k in range(3):
-        slope[e - 1, k] += kin.inverse[e - 1] * (0.125 * cross_component(o, r, k) - area * l[k])
-        slope[e, k] += kin.inverse[e] * (0.125 * cross_component(r, l, k) - area * o[k])
-        slope[e + 1, k] += kin.inverse[e + 1] * (0.125 * cross_component(l, o, k) - area * r[k])
-    return area
+    l0, l1, l2 = kin.tangent[e - 1, 0], kin.tangent[e - 1, 1], kin.tangent[e - 1, 2]
+    o0, o1, o2 = kin.tangent[e, 0], kin.tangent[e, 1], kin.tangent[e, 2]
+    r0, r1, r2 = kin.tangent[e + 1, 0], kin.tangent[e + 1, 1], kin.tangent[e + 1, 2]
+    x0, x1, x2 = o1 * r2 - o2 * r1, o2 * r0 - o0 * r2, o0 * r1 - o1 * r0
+    area = l0 * x0 + l1 * x1 + l2 * x2
+    il, io, ir = 0.125 * kin.inverse[e - 1], 0.125 * kin.inverse[e], 0.125 * kin.inverse[e + 1]
+    slope[e - 1, 0] += il * (x0 - area * l0)
+    slope[e - 1, 1] += il * (x1 - area * l1)
+    slope[e - 1, 2] += il * (x2 - area * l2)
+    slope[e, 0] += io * (r1 * l2 - r2 * l1 - area * o0)
+    slope[e, 1] += io * (r2 * l0 - r0 * l2 - area * o1)
+    slope[e, 2] += io * (r0 * l1 - r1 * l0 - area * o2)
+    slope[e + 1, 0] += ir * (l1 * o2 - l2 * o1 - area * r0)
+    slope[e + 1, 1] += ir * (l2 * o0 - l0 * o2 - area * r1)
+    slope[e + 1, 2] += ir * (l0 * o1 - l1 * o0 - area * r2)
+    return 0.125 * area
 
 
 @kernel

@@ -27,11 +27,11 @@ def wall(physics, r2):
     else:
         r = math.sqrt(r2)
         r_w = 0.5 / r
-        r_ww = -0.25 / (r * r2)
-    gap = 1 + physics.wall_softness - 2 * r
-    v = physics.wall_strength / gap
-    v_r = 2 * v / gap
-    v_rr = 4 * v_r / gap
+        r_ww = -0.5 * r_w / r2
+    inverse = 1.0 / (1 + physics.wall_softness - 2 * r)
+    v = physics.wall_strength * inverse
+    v_r = 2 * v * inverse
+    v_rr = 4 * v_r * inverse
     return v, v_r * r_w, v_rr * r_w * r_w + v_r * r_ww
 
 

@@ -16,6 +16,7 @@ import numpy as np
 
 from derod.core.jit import kernel
 
+
 class Factor(NamedTuple):
     """A factored bordered band matrix."""
 

@@ -15,6 +15,7 @@ class Implicit:
 
     limit = 400
     easy, hard = 4, 10
+    finest = 0.0
 
     def begin(self, system: System, state: State, tolerance: float, *, descend: bool) -> Report:
         """Take the residual of the state."""

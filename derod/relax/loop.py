@@ -52,6 +52,7 @@ class Relaxer(Protocol):
     limit: int  # iterations after which a relaxation gives up
     easy: int  # at most that many iterations: the next increment may be longer
     hard: int  # more than that: it shall be shorter
+    finest: float  # K0/D^2, the least tolerance that is worth its cost
 
     def begin(self, system: System, state: State, tolerance: float, *, descend: bool) -> Report:
         """Look at the state; keep what the method must remember."""
@@ -72,14 +73,17 @@ def relax(
     descend: bool = False,
     watch: Watcher | None = None,
 ) -> Solution:
-    """Relax a copy of ``start`` until its residual meets ``tolerance`` (K0/D^2, default the scene's).
+    """Relax a copy of ``start`` until its residual meets ``tolerance`` (K0/D^2).
+
+    The default is the scene's tolerance, but no finer than the method's ``finest``.
 
     With ``descend`` no step goes uphill, so that a state kicked off a saddle does not fall back on it.
 
     ``watch(iteration, state, report)`` sees the state after every advance.
     """
     state = start.copy()
-    tolerance = system.tolerance if tolerance is None else tolerance
+    if tolerance is None:
+        tolerance = max(system.tolerance, relaxer.finest)
     report = relaxer.begin(system, state, tolerance, descend=descend)
     done = 0
     while True:

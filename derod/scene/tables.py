@@ -125,6 +125,20 @@ class Scene(msgspec.Struct, frozen=True, kw_only=True, eq=False):
 
         return replace_keys(self, changes)
 
+    def require_drop(self) -> Drop:
+        """The drop, for what makes no sense without one; raises SceneError where there is none."""
+        if self.drop is None:
+            from derod.errors import SceneError
+
+            raise SceneError(
+                "has no place here: this needs a drop",
+                file=self.path,
+                key="model.drop",
+                value=False,
+                allowed="true",
+            )
+        return self.drop
+
     def tables(self) -> dict[str, Table]:
         """The tables by name, in the order of the file."""
         names = (name for name in self.__struct_fields__ if name != "path")

@@ -47,7 +47,9 @@ def dimensionless_groups(scene: Scene) -> list[Group]:
     if drop is None:
         return [
             Group("k3/K", rod.twisting / rod.bending, "twisting over bending stiffness"),
-            Group("R/(2 pi)", scene.clamps.end_rotation / (2.0 * math.pi), "turns of the end clamp"),
+            Group(
+                "R/(2 pi)", scene.clamps.end_rotation / (2.0 * math.pi), "turns of the end clamp"
+            ),
             Group("delta_min/l", low / rod.length, "least end-shortening over length"),
             Group("delta_max/l", high / rod.length, "largest end-shortening over length"),
         ]

@@ -132,7 +132,9 @@ def test_folds_are_seen_in_both_directions(catalogue):
         tracer, start, lambda p: "over" if p.fold_function * start.fold_function < 0.0 else None
     )
     assert reason == "over"
-    found = [s for _, s in special_points(tracer, points, None)]
+    remarks = []
+    found = [s for _, s in special_points(tracer, points, None, remarks)]
+    assert not remarks
     assert len(found) == 1
     assert found[0].point.state.end_shortening == pytest.approx(
         fold.point.state.end_shortening, abs=1e-7

@@ -43,9 +43,7 @@ class Sample:
 
     def gradient(self, q: np.ndarray, b: np.ndarray) -> np.ndarray:
         """The residual as one vector: q's rows 1 ... N, then b."""
-        psi, sound = assembly.gradient(
-            self.physics, self.mesh, q, b, self.psi, ROTATION, self.room
-        )
+        psi, sound = assembly.gradient(self.physics, self.mesh, q, b, self.psi, ROTATION, self.room)
         assert sound
         self.followed = psi
         return np.concatenate([self.room.r[1:].ravel(), self.room.rb])
@@ -54,9 +52,7 @@ class Sample:
         """Energies and constraints, put together without the gradient's code."""
         self.gradient(q, b)
         d, kin = self.d, self.room.kin
-        energy = sum(
-            assembly.energies(self.physics, q, b, self.followed, ROTATION, self.room)
-        )
+        energy = sum(assembly.energies(self.physics, q, b, self.followed, ROTATION, self.room))
         value = energy + q[1:, d] @ self.room.grad.constraint[1:-1]
         if self.physics.drop:
             for side, node in enumerate((kin.node_a, kin.node_b)):

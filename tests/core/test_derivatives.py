@@ -84,7 +84,9 @@ def test_hessian(sample: Sample) -> None:
     scale = np.abs(exact).max()
     for place in rows:
         column = sum(w * sample.gradient(*moved(sample, place, k * STEP)) for k, w in STENCIL)
-        np.testing.assert_allclose(column[rows] / STEP, exact[rows, place], atol=1e-8 * scale, rtol=0)
+        np.testing.assert_allclose(
+            column[rows] / STEP, exact[rows, place], atol=1e-8 * scale, rtol=0
+        )
 
 
 def test_holonomy_samples_are_where_they_say() -> None:

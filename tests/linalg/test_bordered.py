@@ -28,7 +28,10 @@ def test_solution_and_inertia_agree_with_dense(n: int, width: int, borders: int,
     assert factorize(linear, factor) == np.sum(np.linalg.eigvalsh(matrix) < 0)
     rng = np.random.default_rng(seed)
     right = rng.normal(size=n + borders)
-    for solver in (lambda: solve(factor, factor.rhs, factor.rhs_border), lambda: solve_refined(linear, factor)):
+    for solver in (
+        lambda: solve(factor, factor.rhs, factor.rhs_border),
+        lambda: solve_refined(linear, factor),
+    ):
         factor.rhs[:n], factor.rhs[n:] = right[:n], 0
         factor.rhs_border[:] = right[n:]
         solver()

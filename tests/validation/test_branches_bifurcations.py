@@ -101,3 +101,18 @@ def test_settings_do_not_matter(tolerance, step):
     fold = next(s for _, s in path.specials if s.kind == "fold").point.state.end_shortening / np.pi
     assert forks == pytest.approx([0.2430455, 0.9060533, 0.8082380], abs=1e-6)
     assert fold == pytest.approx(1.3311944, abs=1e-6)
+
+
+def test_where_the_paths_are_stable(scene):
+    """The succession throughout; with v0 = 2e-2 also a space path of higher energy, Tri1."""
+    name, branches = scene
+    for path in ("3D", "3D-L2"):
+        assert {p.unstable_modes for p in branches[path].points[2:-2]} == {0}
+    stable = [p.values for p in branches["Tri1"].points if p.unstable_modes == 0]
+    if name == "paper-text":
+        assert not stable
+    else:
+        delta = [v["end_shortening"] / np.pi for v in stable]
+        assert min(delta) == pytest.approx(1.254, abs=0.03)
+        assert max(delta) == pytest.approx(2.752, abs=0.03)
+        assert min(v["energy_hat"] for v in stable) > 15.0
