@@ -6,6 +6,7 @@ import math
 import sys
 import time
 from collections.abc import Callable
+from itertools import pairwise
 from typing import Any, TextIO
 
 from derod.frames import Ending, Event, Frame
@@ -17,9 +18,9 @@ LINE_AT = 0.1  # of the way
 
 
 def way_covered(scene: Scene, segment: int, end_shortening: float) -> float:
-    """How much end-shortening, up and down, lies between the start and this point of a leg, in D."""
+    """How much end-shortening, up and down, lies between the start and a point of a leg, in D."""
     points = (scene.push.start, *scene.push.stop)
-    legs = [abs(after - before) for before, after in zip(points, points[1:], strict=False)]
+    legs = [abs(after - before) for before, after in pairwise(points)]
     return sum(legs[:segment]) + abs(end_shortening - points[segment])
 
 
