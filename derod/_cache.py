@@ -45,7 +45,7 @@ def source_hash(package: Path) -> str:
     Whole folders, because constants that kernels use may lie in a module without any.
     """
     contents = {path: path.read_bytes() for path in sorted(package.rglob("*.py"))}
-    kernels = {path.parent for path, text in contents.items() if b"njit" in text}
+    kernels = {path.parent for path, text in contents.items() if b"jit" in text}
     digest = hashlib.sha256(f"{metadata.version('numba')} {platform.python_version()}".encode())
     for path, text in contents.items():
         if path.parent in kernels and path != Path(__file__):

@@ -19,10 +19,14 @@ from derod.errors import DerodError, RecordError
 DONE, BAD_INPUT, NOT_REACHED, INTERRUPTED = 0, 2, 3, 130
 METHODS = ("implicit", "fire", "kinetic")
 
-COMMANDS: tuple[str, ...] = ()
+COMMANDS: tuple[str, ...] = (
+    "derod.branches.cli:add_branch_parser",
+    "derod.branches.cli:add_compare_parser",
+    "derod.stream.cli:add_view_parser",
+)
 """More commands, as "module:function"; the function is given the sub-parsers to add itself to."""
 
-PUSH_WATCHERS: tuple[str, ...] = ()
+PUSH_WATCHERS: tuple[str, ...] = ("derod.stream.cli",)
 """Modules that add options to ``derod push`` and observers to the push.
 
 Each has ``add_push_options(parser)`` and ``make_observers(args, scene) -> list[Observer]``.
@@ -41,7 +45,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     args = build_parser().parse_args(arguments)
     try:
-        return int(args.run(args))
+        return int(args.command(args))
     except BrokenPipeError:  # the reader of our output has had enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return DONE
@@ -54,7 +58,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def build_parser() -> argparse.ArgumentParser:
-    """The parser of all commands; ``args.run(args)`` runs the one that was given."""
+    """The parser of all commands; ``args.command(args)`` runs the one that was given."""
     parser = argparse.ArgumentParser(
         prog="derod", description="Push an elastic rod into a liquid drop and watch it coil."
     )
@@ -90,19 +94,19 @@ def _add_push(commands: Any) -> None:
     parser.add_argument("--quiet", action="store_true", help="show nothing but errors")
     for module in PUSH_WATCHERS:
         import_module(module).add_push_options(parser)
-    parser.set_defaults(run=_run("push"), writes=True)
+    parser.set_defaults(command=_run("push"), writes=True)
 
 
 def _add_check(commands: Any) -> None:
     parser = commands.add_parser("check", help="check a scene and print its dimensionless groups")
     parser.add_argument("scene", metavar="SCENE", help="scene file (TOML)")
-    parser.set_defaults(run=_run("check"), writes=False)
+    parser.set_defaults(command=_run("check"), writes=False)
 
 
 def _add_info(commands: Any) -> None:
     parser = commands.add_parser("info", help="say what a run did: landings, events, outcome")
     parser.add_argument("file", metavar="FILE", help="run file, finished or not")
-    parser.set_defaults(run=_run("info"), writes=False)
+    parser.set_defaults(command=_run("info"), writes=False)
 
 
 def _run(name: str) -> Any:

@@ -9,12 +9,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 import numpy as np
 
 if TYPE_CHECKING:
+    from derod.relax.loop import Report
     from derod.scene import Scene
+    from derod.state import State
 
 ROW = np.dtype(
     [
@@ -41,6 +43,7 @@ ROW = np.dtype(
         ("residual", "f8"),
         ("iterations", "i4"),
         ("segment", "i4"),  # which leg of push.stop: 0, 1, ...
+        ("smooth", "?"),  # reached along the branch from the row before: no kick, no snap
         ("landing", "?"),  # this end-shortening was asked for in push.at, or is a turning point
         ("next_step", "f8"),  # what the driver would try next (end-shortening), for resuming
         ("wall_time", "f8"),  # seconds since the push began
@@ -113,3 +116,14 @@ class Observer(Protocol):
 
     def finish(self, ending: Ending) -> None:
         """The push is over, however it ended."""
+
+
+@runtime_checkable
+class RelaxationObserver(Protocol):
+    """An observer that also watches the steps inside an increment."""
+
+    def relaxation(self, increment: int, iteration: int, state: State, report: Report) -> None:
+        """A step toward the frame ``increment``, which may need several relaxations.
+
+        The state is the relaxation's own: copy what shall be kept.
+        """

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import sys
 import time
 from collections.abc import Callable
-from itertools import pairwise
 from typing import Any, TextIO
 
 from derod.frames import Ending, Event, Frame
@@ -18,9 +18,9 @@ LINE_AT = 0.1  # of the way
 
 
 def way_covered(scene: Scene, segment: int, end_shortening: float) -> float:
-    """How much end-shortening, up and down, lies between the start and a point of a leg, in D."""
+    """How much end-shortening, up and down, lies between the start and this point of a leg, in D."""
     points = (scene.push.start, *scene.push.stop)
-    legs = [abs(after - before) for before, after in pairwise(points)]
+    legs = [abs(after - before) for before, after in itertools.pairwise(points)]
     return sum(legs[:segment]) + abs(end_shortening - points[segment])
 
 

@@ -51,10 +51,13 @@ def scene_lines(scene: Scene) -> Iterator[str]:
     rod, drop, push = scene.rod, scene.drop, scene.push
     stops = ", ".join(f"{stop / math.pi:.6g} pi" for stop in push.stop)
     yield f"  rod   l = {rod.length:g}, K = {rod.bending:g}, k3 = {rod.twisting:g}"
-    yield (
-        f"  drop  f_gamma = {drop.capillary_force:g}, v0 = {drop.wall_strength:g}, "
-        f"rho = {drop.wall_softness:g}"
-    )
+    if drop is None:
+        yield "  no drop"
+    else:
+        yield (
+            f"  drop  f_gamma = {drop.capillary_force:g}, v0 = {drop.wall_strength:g}, "
+            f"rho = {drop.wall_softness:g}"
+        )
     yield (
         f"  push  from {push.start / math.pi:.6g} pi to {stops}, end rotation "
         f"{scene.clamps.end_rotation / math.pi:g} pi"

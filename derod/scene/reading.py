@@ -70,7 +70,14 @@ def build_scene(data: Mapping[str, Any], path: str | None = None) -> Scene:
             raise SceneError(
                 "is not a table", file=path, key=name, value=value, allowed=f"[{name}]"
             )
-    tables: dict[str, Any] = {name: _read_table(name, data.get(name, {}), path) for name in KEYS}
+    model = _read_table("model", data.get("model", {}), path)
+    dry = isinstance(model, Model) and not model.drop
+    if dry and "drop" in data:
+        raise SceneError("is there although model.drop = false", file=path, key="drop")
+    tables: dict[str, Any] = {
+        name: None if dry and name == "drop" else _read_table(name, data.get(name, {}), path)
+        for name in KEYS
+    }
     scene = Scene(**tables, path=path)
     check_together(scene)
     return scene

@@ -11,7 +11,8 @@ from derod.errors import SceneError
 from derod.scene.quantities import read_integer, read_number, read_quantity, write_quantity
 from derod.scene.tables import Scene
 
-LARGEST = 1e6  # beyond it sums of energies have no digits left
+LARGEST = 1e6  # D; beyond it sums of energies have no digits left
+STRONGEST = 1e9  # of stiffnesses and forces: any unit K0 will do
 CLAMP_CLEARANCE = 0.9
 METHODS = ("implicit", "fire", "kinetic")
 
@@ -45,6 +46,12 @@ def _method(value: object) -> str:
     return value
 
 
+def _switch(value: object) -> bool:
+    if not isinstance(value, bool):
+        raise ValueError("is neither true nor false")
+    return value
+
+
 def _any(_: object) -> bool:
     return True
 
@@ -55,18 +62,18 @@ KEYS: dict[str, dict[str, Key]] = {
     "rod": {
         "length": Key(
             read_quantity,
-            lambda x: 1.0 < x <= LARGEST,
+            lambda x: 0.0 < x <= LARGEST,
             "a length above 1, the diameter of the drop, and up to 1e6",
         ),
-        "bending": Key(_bending, lambda x: 0.0 < x <= LARGEST, "a number above 0 and up to 1e6"),
-        "twisting": Key(read_number, lambda x: 0.0 <= x <= LARGEST, "a number from 0 to 1e6"),
+        "bending": Key(_bending, lambda x: 0.0 < x <= STRONGEST, "a number above 0 and up to 1e9"),
+        "twisting": Key(read_number, lambda x: 0.0 <= x <= STRONGEST, "a number from 0 to 1e9"),
     },
     "drop": {
         "capillary_force": Key(
-            read_number, lambda x: 0.0 < x <= LARGEST, "a number above 0 and up to 1e6"
+            read_number, lambda x: 0.0 < x <= STRONGEST, "a number above 0 and up to 1e9"
         ),
         "wall_strength": Key(
-            read_number, lambda x: 0.0 < x <= LARGEST, "a number above 0 and up to 1e6"
+            read_number, lambda x: 0.0 < x <= STRONGEST, "a number above 0 and up to 1e9"
         ),
         "wall_softness": Key(
             read_quantity, lambda x: 0.0 < x <= 1.0, "a number above 0 and up to 1"
@@ -111,6 +118,7 @@ KEYS: dict[str, dict[str, Key]] = {
     },
     "model": {
         "dimension": Key(read_integer, lambda n: n in (2, 3), "2 or 3"),
+        "drop": Key(_switch, _any, "true or false"),
     },
 }
 QUANTITIES = {
@@ -135,11 +143,17 @@ def largest_end_shortening(length: float) -> float:
 def check_together(scene: Scene) -> None:
     """Check what one key alone cannot tell; raises SceneError."""
     push = scene.push
-    limit = largest_end_shortening(scene.rod.length)
-    within = (
-        f"below {limit:g}: with a rod of length {scene.rod.length:g} the clamps would stand "
-        f"closer than the menisci (the rod runs out near {scene.rod.length - 1.0:g})"
-    )
+    length = scene.rod.length
+    if scene.drop is None:
+        limit, within = length, f"below {length:g}, where the clamps meet"
+    else:
+        if length <= 1.0:
+            _fail(scene, "rod.length", length, "is out of range", KEYS["rod"]["length"].allowed)
+        limit = largest_end_shortening(length)
+        within = (
+            f"below {limit:g}: with a rod of length {length:g} the clamps would stand "
+            f"closer than the menisci (the rod runs out near {length - 1.0:g})"
+        )
     legs = [("push.start", push.start)]
     legs += [
         (f"push.stop[{i}]" if len(push.stop) > 1 else "push.stop", stop)

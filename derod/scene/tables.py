@@ -64,7 +64,7 @@ class Push(Table, frozen=True, kw_only=True):
 class Mesh(Table, frozen=True, kw_only=True):
     """The discrete rod."""
 
-    edges: int = 300
+    edges: int = 200
     """N; there are N + 1 nodes."""
 
 
@@ -74,7 +74,7 @@ class Relax(Table, frozen=True, kw_only=True):
     method: str = "implicit"
     """"implicit", "fire" or "kinetic"."""
     tolerance: float = 1e-9
-    """On the residual force, K0/D^2, before the scaling with the mesh."""
+    """On the residual force, in bending / D^2, before the scaling with the mesh."""
 
 
 class Noise(Table, frozen=True, kw_only=True):
@@ -90,13 +90,15 @@ class Model(Table, frozen=True, kw_only=True):
 
     dimension: int = 3
     """3, or 2 for a rod that stays in its plane."""
+    drop: bool = True
+    """False for a rod without a drop, the clamped elastica; there is no table ``drop`` then."""
 
 
 class Scene(msgspec.Struct, frozen=True, kw_only=True, eq=False):
     """Everything a push needs to know. Two scenes are equal when all their tables are."""
 
     rod: Rod
-    drop: Drop
+    drop: Drop | None
     clamps: Clamps = Clamps()
     push: Push
     mesh: Mesh = Mesh()
@@ -123,10 +125,24 @@ class Scene(msgspec.Struct, frozen=True, kw_only=True, eq=False):
 
         return replace_keys(self, changes)
 
+    def require_drop(self) -> Drop:
+        """The drop, for what makes no sense without one; raises SceneError where there is none."""
+        if self.drop is None:
+            from derod.errors import SceneError
+
+            raise SceneError(
+                "has no place here: this needs a drop",
+                file=self.path,
+                key="model.drop",
+                value=False,
+                allowed="true",
+            )
+        return self.drop
+
     def tables(self) -> dict[str, Table]:
         """The tables by name, in the order of the file."""
         names = (name for name in self.__struct_fields__ if name != "path")
-        return {name: getattr(self, name) for name in names}
+        return {name: getattr(self, name) for name in names if getattr(self, name) is not None}
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Scene):

@@ -25,6 +25,8 @@ def dump_scene(scene: Scene) -> str:
 def _toml(value: Any, angle: bool) -> str:
     if isinstance(value, tuple):
         return "[" + ", ".join(_toml(item, angle) for item in value) + "]"
+    if isinstance(value, bool):
+        return str(value).lower()
     if isinstance(value, str):
         return f'"{value}"'  # only the names of methods are strings, nothing to escape
     return write_quantity(value) if angle and isinstance(value, float) else repr(value)
@@ -42,6 +44,15 @@ def dimensionless_groups(scene: Scene) -> list[Group]:
     """The numbers that decide what the rod of ``scene`` does, D and K being its units."""
     rod, drop = scene.rod, scene.drop
     low, high = covered_range(scene)
+    if drop is None:
+        return [
+            Group("k3/K", rod.twisting / rod.bending, "twisting over bending stiffness"),
+            Group(
+                "R/(2 pi)", scene.clamps.end_rotation / (2.0 * math.pi), "turns of the end clamp"
+            ),
+            Group("delta_min/l", low / rod.length, "least end-shortening over length"),
+            Group("delta_max/l", high / rod.length, "largest end-shortening over length"),
+        ]
     pull = drop.capillary_force / rod.bending
     return [
         Group("l", rod.length, "rod length over drop diameter"),

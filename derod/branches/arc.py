@@ -1,0 +1,152 @@
+"""Pseudo-arclength steps along a path of half-rod states."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from derod.branches import closure as col
+from derod.branches.fields import evaluate_fields
+from derod.branches.mesh import RESOLUTION, adapted, drifted
+from derod.branches.mirror import Mirror
+from derod.branches.newton import Settled, settle
+from derod.branches.outcome import NotConverged
+from derod.branches.state import HalfRod, Increment
+
+
+def metric(capillary_force: float) -> np.ndarray:
+    """Squared weights (36,) of the kept unknowns in the arclength.
+
+    Lengths and quaternions count as they are, forces in units of f_gamma, moments of f_gamma D / 2.
+    """
+    node = np.array([1.0] * 7 + [1.0 / capillary_force] * 3)
+    scalars = [2.0 / capillary_force, 2.0 / capillary_force, 0.2, 1.0, 1.0, 1.0 / capillary_force]
+    return np.concatenate([node, node, node, scalars]) ** 2
+
+
+def frozen(column: int) -> np.ndarray:
+    """The closing row (36,) that holds one kept unknown."""
+    row = np.zeros(col.KEPT)
+    row[column] = 1.0
+    return row
+
+
+@dataclass(frozen=True)
+class Control:
+    """Tolerance and step control of a continuation; steps are arclengths in the metric."""
+
+    tolerance: float = 1e-10
+    first_step: float = 0.02
+    largest_step: float = 0.22
+    least_step: float = 1e-6
+    turning: float = 0.25  # angle between successive tangents at which steps stop growing
+    iterations: int = 4
+    accuracy: float = 1e-8  # mesh-halving error allowed in a stored point
+    resolution: float = RESOLUTION
+
+
+@dataclass
+class Point:
+    """A settled state on a path, its tangent and the path's arclength up to it."""
+
+    settled: Settled
+    tangent: np.ndarray  # (36,), of metric length one
+    arc: float
+    increment: Increment = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.increment = self.settled.reduced.expand(self.tangent, 0.0)
+
+    @property
+    def state(self) -> HalfRod:
+        """The settled state."""
+        return self.settled.state
+
+    @property
+    def fold_function(self) -> float:
+        """d delta/d arclength, zero at a fold."""
+        return float(self.tangent[col.DELTA])
+
+
+class Tracer:
+    """Steps along one path: ``held`` is the kept scalar that does not change (f_gamma or delta)."""
+
+    def __init__(
+        self, mirror: Mirror, control: Control, capillary_force: float, held: int = col.FGAMMA
+    ) -> None:
+        self.mirror = mirror
+        self.control = control
+        self.metric = metric(capillary_force)
+        self.held = held
+
+    def begin(self, settled: Settled, direction: np.ndarray, arc: float = 0.0) -> Point:
+        """A path's first point, its tangent on the side of ``direction`` (36,)."""
+        row = self.metric * direction
+        tangent = settled.reduced.solve(
+            np.stack([frozen(self.held), row]), np.array([[0.0, 1.0, 0.0]])
+        )[0]
+        return Point(settled, tangent / np.sqrt(self.metric @ tangent**2), arc)
+
+    def advance(
+        self, point: Point, length: float, previous: Point | None = None, remesh: bool = True
+    ) -> Point:
+        """The settled point whose projection on ``point``'s tangent lies ``length`` further.
+
+        ``previous`` (the point before, on the same mesh) makes the prediction second order. Raises
+        NotConverged.
+        """
+        predicted = point.state.moved(point.increment, length)
+        if previous is not None and _same_mesh(previous.state, point.state):
+            span = point.arc - previous.arc
+            curve = 0.5 * length * length / span
+            predicted = predicted.moved(point.increment, curve).moved(previous.increment, -curve)
+        if not evaluate_fields(predicted).gap > 0.0:
+            raise NotConverged("the prediction lies outside the wall")
+        if remesh and drifted(predicted, self.control.resolution):
+            predicted = adapted(predicted, self.control.resolution)
+        row = self.metric * point.tangent
+        closing = np.stack([frozen(self.held), row])
+        values = closing @ point.state.kept
+        values[1] += length
+        settled = settle(predicted, self.mirror, closing, values, self.control.tolerance)
+        return self.begin(settled, point.tangent, point.arc + length)
+
+    def march(self, start: Point, stop, limit: int = 2000):  # type: ignore[no-untyped-def]
+        """Yield points from ``start`` on until ``stop(point)`` gives a reason or steps vanish.
+
+        Returns the reason (generator's value).
+        """
+        yield start
+        reason = stop(start)
+        point, previous = start, None
+        length = self.control.first_step
+        for _ in range(limit):
+            if reason:
+                return reason
+            try:
+                new = self.advance(point, length, previous)
+            except NotConverged as error:
+                length *= 0.5
+                if length < self.control.least_step:
+                    return f"no convergence: {error}"
+                continue
+            cosine = float(np.clip(self.metric @ (new.tangent * point.tangent), -1.0, 1.0))
+            angle = float(np.arccos(cosine))
+            if angle > 3.0 * self.control.turning and length > 100.0 * self.control.least_step:
+                length *= 0.5
+                continue
+            previous, point = point, new
+            yield point
+            reason = stop(point)
+            growth = min(
+                2.0,
+                1.5 * (self.control.iterations + 0.5 - new.settled.iterations + 1.0) / 2.0,
+                self.control.turning / max(angle, 1e-9),
+            )
+            length = min(length * max(growth, 0.4), self.control.largest_step)
+        return f"more than {limit} points"
+
+
+def _same_mesh(a: HalfRod, b: HalfRod) -> bool:
+    return a.eta is b.eta

@@ -1,0 +1,96 @@
+"""Compute the branches of a scene: trace the paths asked for, refine, count unstable modes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+
+from derod.branches.arc import Control
+from derod.branches.branch import Branch
+from derod.branches.catalogue import Catalogue, Path, PathNotFound
+from derod.branches.outcome import NotConverged
+from derod.branches.parameters import Parameters
+from derod.branches.special import SpuriousPoint
+from derod.branches.straight import NoBuckling
+
+FAMILIES = ("Ax", "3D", "L", "Pt", "Tri")
+"""First letters of the names: 3D is also 3D-L2, L all of L1, L2, ..., Tri all of Tri1, Tri2, ..."""
+
+
+def family(name: str) -> str:
+    """The family of a path's name; raises ValueError for a name that no path has."""
+    for head in FAMILIES:
+        tail = name[len(head) :]
+        if name.startswith(head) and (
+            not tail
+            or (head in ("L", "Tri") and tail.rstrip("'").isdigit())
+            or (head == "3D" and tail.startswith("-L"))
+        ):
+            return head
+    raise ValueError(
+        f"paths = {name!r}: no such path; allowed: Ax, 3D, 3D-L1, ..., L1, L2, ..., Pt, Tri1, ..., "
+        "and 3D, L, Tri for all of a kind"
+    )
+
+
+def wanted(name: str, asked: Iterable[str]) -> bool:
+    """Whether a traced path is among those asked for (a bare family name asks for all of it)."""
+    return any(name == one or (one in ("3D", "L", "Tri") and family(name) == one) for one in asked)
+
+
+def compute_branches(
+    parameters: Parameters,
+    paths: Iterable[str] | None = None,
+    control: Control | None = None,
+    count_modes: bool = True,
+    progress: Callable[[str], None] = lambda line: None,
+) -> tuple[list[Branch], list[str]]:
+    """Trace the named paths of the paper (all of them by default).
+
+    ``progress`` is called with one line a path. Returns the branches in the order found and the
+    complaints: names that were asked for and could not be found, with the reason.
+    Raises ValueError for a name that no path can have.
+    """
+    asked = list(paths) if paths is not None else list(FAMILIES)
+    families = {family(name) for name in asked}
+    catalogue = Catalogue(parameters, control)
+    complaints: list[str] = []
+
+    def report(path: Path) -> None:
+        first, last = path.points[0].state, path.points[-1].state
+        progress(
+            f"{path.name:8s} delta {first.end_shortening:8.5f} .. {last.end_shortening:8.5f}  "
+            f"{len(path.points):4d} points, {len(path.specials)} special  ends: {path.ends}"
+        )
+        for remark in path.remarks:
+            progress(f"         {remark}")
+
+    def trace(name: str, work: Callable[[], Iterable[Path]]) -> None:
+        try:
+            for path in work():
+                report(path)
+        except (PathNotFound, NoBuckling, NotConverged, SpuriousPoint) as error:
+            complaints.append(f"{name}: {error}")
+
+    planar_start = not catalogue.twisted
+    if planar_start and families & {"Ax", "3D", "L", "Tri"}:
+        trace("Ax", lambda: [catalogue.ax()])
+    if families & {"3D", "L"} and not complaints:
+        trace("3D", catalogue.succession)
+    if "Pt" in families and planar_start:
+        trace("Pt", lambda: [catalogue.pt()])
+    if "Tri" in families and planar_start and "Ax" in catalogue.paths:
+        trace("Tri", catalogue.triangles)
+    complaints += catalogue.missed
+    branches = []
+    for name, path in catalogue.paths.items():
+        if wanted(name, asked):
+            branches.append(catalogue.store(path, count_modes))
+    if paths is not None:
+        found = [branch.name for branch in branches]
+        followed = ", ".join(catalogue.paths)
+        complaints += [
+            f"{one}: not met by the paths followed ({followed})"
+            for one in asked
+            if not any(wanted(name, [one]) for name in found)
+        ]
+    return branches, complaints

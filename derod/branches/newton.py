@@ -1,0 +1,68 @@
+"""Newton's method for the half rod, kept inside the wall."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from derod.branches.fields import evaluate_fields
+from derod.branches.linear import Reduced, linearise
+from derod.branches.mirror import Mirror
+from derod.branches.outcome import NotConverged
+from derod.branches.state import HalfRod
+
+TOLERANCE = 1e-10
+MAX_ITERATIONS = 8
+WALL_SHARE = 0.2
+"""No step may shrink the least gap to the wall below this share of it."""
+
+
+@dataclass(frozen=True)
+class Settled:
+    """A converged state with its eliminated linearisation."""
+
+    state: HalfRod
+    reduced: Reduced
+    iterations: int
+
+
+def settle(
+    state: HalfRod,
+    mirror: Mirror,
+    closing: np.ndarray,
+    values: np.ndarray,
+    tolerance: float = TOLERANCE,
+    max_iterations: int = MAX_ITERATIONS,
+) -> Settled:
+    """Solve the half-rod equations closed by ``closing`` (2, 36) . kept unknowns = ``values`` (2,).
+
+    Ends when no equation's residual exceeds ``tolerance``; the linearisation returned is that of
+    the final state. Raises NotConverged after ``max_iterations``, at the wall, or on a singular
+    matrix.
+    """
+    for iteration in range(max_iterations + 1):
+        elements = linearise(state)
+        missing = values - closing @ state.kept
+        residual = max(elements.residual, float(np.abs(missing).max()))
+        if not np.isfinite(residual) or elements.gap <= 0.0:
+            raise NotConverged(f"the state left the wall's inside (residual {residual:.1e})")
+        reduced = Reduced(elements, mirror)
+        if residual <= tolerance:
+            return Settled(state, reduced, iteration)
+        if iteration == max_iterations:
+            break
+        try:
+            kept = reduced.solve(closing, np.array([[missing[0], missing[1], 1.0]]))[0]
+        except np.linalg.LinAlgError as error:
+            raise NotConverged("singular Jacobian") from error
+        step = reduced.expand(kept, 1.0)
+        factor = 1.0
+        moved = state.moved(step)
+        while not evaluate_fields(moved).gap > WALL_SHARE * elements.gap:
+            factor *= 0.5
+            if factor < 1e-3:
+                raise NotConverged("the wall stops the step")
+            moved = state.moved(step, factor)
+        state = moved
+    raise NotConverged(f"residual {residual:.1e} after {max_iterations} iterations")

@@ -1,0 +1,47 @@
+"""Inextensibility: one multiplier an edge, which is the tension (equa:inext-constr).
+
+lambda_e g_e,   g_e = (|e|^2 / l - l) / 2 + (the arc's share, see ``bending``)
+"""
+
+from __future__ import annotations
+
+from derod.core.jit import kernel
+
+
+@kernel
+def add_stretch(kin, grad):
+    """Add the chords' share of the constraints g."""
+    for e in range(1, kin.rest.size - 1):
+        ratio = kin.size[e] / kin.rest[e]
+        grad.constraint[e] += 0.5 * kin.rest[e] * (ratio - 1) * (ratio + 1)
+
+
+@kernel
+def add_stretch_gradient(physics, kin, tension, grad):
+    """Add lambda e / l by the edges, and by the rest lengths."""
+    for e in range(1, kin.rest.size - 1):
+        ratio = kin.size[e] / kin.rest[e]
+        for k in range(len(physics.axis)):
+            grad.edge[e, k] += tension[e] * ratio * kin.tangent[e, k]
+        grad.rest[e] -= 0.5 * tension[e] * (ratio * ratio + 1)
+
+
+@kernel
+def add_stretch_hessian(physics, kin, tension, hess):
+    """Add the second derivatives of lambda_e g_e."""
+    d = len(physics.axis)
+    for e in range(1, kin.rest.size - 1):
+        ratio = kin.size[e] / kin.rest[e]
+        stiffness = tension[e] / kin.rest[e]
+        for k in range(d):
+            hess.edge[e, k, k] += stiffness
+            hess.constraint[e, 1, k] += ratio * kin.tangent[e, k]
+        for s in range(2):
+            l_s = kin.slope[s, e]
+            if l_s == 0.0:
+                continue
+            hess.constraint_menisci[s, e] -= 0.5 * (ratio * ratio + 1) * l_s
+            for k in range(d):
+                hess.edge_menisci[s, e, k] -= stiffness * ratio * kin.tangent[e, k] * l_s
+            for v in range(2):
+                hess.border[s, v] += stiffness * ratio * ratio * l_s * kin.slope[v, e]

@@ -1,0 +1,119 @@
+"""The soft wall of the drop: v(r) = v0 / (1 + rho - 2 r), r = |x - x_C|, over the wetted part.
+
+It is a barrier, singular at r = (1 + rho)/2. At r = 0 the printed potential has a cone, which would
+give a rod through the drop's centre a kink; within CORE the distance is replaced by the smooth even
+polynomial that meets it with two derivatives, which moves energies by less than v0 CORE^2.
+"""
+
+from __future__ import annotations
+
+import math
+
+from derod.core.jit import kernel
+from derod.core.layout import X_C
+
+CORE = 0.01  # D
+
+
+@kernel
+def wall(physics, r2):
+    """Return v and its first two derivatives by w = r^2, with the core smoothed."""
+    if r2 < CORE * CORE:
+        # r = CORE (3/8 + 3/4 y - y^2/8), y = w / CORE^2
+        y = r2 / (CORE * CORE)
+        r = CORE * (0.375 + 0.75 * y - 0.125 * y * y)
+        r_w = (0.75 - 0.25 * y) / CORE
+        r_ww = -0.25 / (CORE * CORE * CORE)
+    else:
+        r = math.sqrt(r2)
+        r_w = 0.5 / r
+        r_ww = -0.5 * r_w / r2
+    inverse = 1.0 / (1 + physics.wall_softness - 2 * r)
+    v = physics.wall_strength * inverse
+    v_r = 2 * v * inverse
+    v_rr = 4 * v_r * inverse
+    return v, v_r * r_w, v_rr * r_w * r_w + v_r * r_ww
+
+
+@kernel
+def wetted_weight(kin, i):
+    """Return the arc length that node i stands for inside the drop."""
+    weight = 0.0
+    if i > kin.node_a:
+        weight += 0.5 * kin.rest[i]
+    if i < kin.node_b:
+        weight += 0.5 * kin.rest[i + 1]
+    return weight
+
+
+@kernel
+def wetted_weight_slope(kin, i, s):
+    """Return the derivative of ``wetted_weight`` by s_A (s = 0) or s_B (s = 1)."""
+    slope = 0.0
+    if i > kin.node_a:
+        slope += 0.5 * kin.slope[s, i]
+    if i < kin.node_b:
+        slope += 0.5 * kin.slope[s, i + 1]
+    return slope
+
+
+@kernel
+def squared_distance(physics, q, b, i):
+    """Return |x_i - x_C|^2."""
+    r2 = 0.0
+    for k in range(len(physics.axis)):
+        r2 += (q[i, k] - b[X_C + k]) ** 2
+    return r2
+
+
+@kernel
+def wall_gap(physics, kin, q, b):
+    """Return the least 1 + rho - 2 r of the wetted nodes."""
+    r2 = 0.0
+    for i in range(kin.node_a, kin.node_b + 1):
+        r2 = max(r2, squared_distance(physics, q, b, i))
+    return 1 + physics.wall_softness - 2 * math.sqrt(r2)
+
+
+@kernel
+def wall_energy(physics, kin, q, b):
+    """Return the integral of v over the wetted part, K0/D."""
+    total = 0.0
+    for i in range(kin.node_a, kin.node_b + 1):
+        v, _, _ = wall(physics, squared_distance(physics, q, b, i))
+        total += wetted_weight(kin, i) * v
+    return total
+
+
+@kernel
+def add_wall_gradient(physics, kin, q, b, grad):
+    """Add the wall's push on the nodes, and its energy by the rest lengths."""
+    half = 0.0  # of the rest length on the left, where it is wetted
+    for i in range(kin.node_a, kin.node_b + 1):
+        v, v_w, _ = wall(physics, squared_distance(physics, q, b, i))
+        push = 2 * half * v_w
+        if i > kin.node_a:
+            grad.rest[i] += 0.5 * v
+        half = 0.0
+        if i < kin.node_b:
+            grad.rest[i + 1] += 0.5 * v
+            half = 0.5 * kin.rest[i + 1]
+        push += 2 * half * v_w
+        for k in range(len(physics.axis)):
+            grad.node[i, k] += push * (q[i, k] - b[X_C + k])
+
+
+@kernel
+def add_wall_hessian(physics, kin, q, b, hess):
+    """Add the wall's second derivatives; those by x_C follow in ``assembly`` from the nodes'."""
+    d = len(physics.axis)
+    for i in range(kin.node_a, kin.node_b + 1):
+        _, v_w, v_ww = wall(physics, squared_distance(physics, q, b, i))
+        weight = wetted_weight(kin, i)
+        for k in range(d):
+            x_k = q[i, k] - b[X_C + k]
+            hess.node[i, k, k] += 2 * weight * v_w
+            for m in range(d):
+                hess.node[i, k, m] += 4 * weight * v_ww * x_k * (q[i, m] - b[X_C + m])
+            for s in range(2):
+                hess.node_menisci[s, i, k] += 2 * wetted_weight_slope(kin, i, s) * v_w * x_k

@@ -1,0 +1,113 @@
+"""The one relaxation loop, and what a method must offer to be run by it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import NamedTuple, Protocol
+
+from derod.state import State
+from derod.system import System
+
+
+class Outcome(StrEnum):
+    """How a relaxation ended."""
+
+    CONVERGED = "converged"
+    MAX_ITERATIONS = "max_iterations"
+    STALLED = "stalled"
+    DIVERGED = "diverged"
+
+
+class Report(NamedTuple):
+    """What one advance did."""
+
+    iterations: int
+    excess: float  # residual over tolerance; at most 1 is settled
+    residual: float  # largest force, K0/D^2
+    alive: bool  # False: no further progress is possible
+    sound: bool  # False: not a number, or outside the wall
+
+
+@dataclass(frozen=True, slots=True)
+class Solution:
+    """A relaxed state and how it was reached. If not converged, the state is the last good one."""
+
+    state: State
+    outcome: Outcome
+    iterations: int
+    residual: float
+    message: str
+
+    @property
+    def converged(self) -> bool:
+        """Return whether the residual met its tolerance."""
+        return self.outcome is Outcome.CONVERGED
+
+
+class Relaxer(Protocol):
+    """A method: ``begin`` on a state, then ``advance`` it in place until settled."""
+
+    limit: int  # iterations after which a relaxation gives up
+    easy: int  # at most that many iterations: the next increment may be longer
+    hard: int  # more than that: it shall be shorter
+    finest: float  # K0/D^2, the least tolerance that is worth its cost
+
+    def begin(self, system: System, state: State, tolerance: float, *, descend: bool) -> Report:
+        """Look at the state; keep what the method must remember."""
+
+    def advance(self) -> Report:
+        """Improve the state by one step, or one batch of steps, in place."""
+
+
+Watcher = Callable[[int, State, Report], None]
+
+
+def relax(
+    relaxer: Relaxer,
+    system: System,
+    start: State,
+    tolerance: float | None = None,
+    *,
+    descend: bool = False,
+    watch: Watcher | None = None,
+) -> Solution:
+    """Relax a copy of ``start`` until its residual meets ``tolerance`` (K0/D^2).
+
+    The default is the scene's tolerance, but no finer than the method's ``finest``.
+
+    With ``descend`` no step goes uphill, so that a state kicked off a saddle does not fall back on it.
+
+    ``watch(iteration, state, report)`` sees the state after every advance.
+    """
+    state = start.copy()
+    if tolerance is None:
+        tolerance = max(system.tolerance, relaxer.finest)
+    report = relaxer.begin(system, state, tolerance, descend=descend)
+    done = 0
+    while True:
+        if watch is not None:
+            watch(done, state, report)
+        outcome = judge(report, done, relaxer.limit)
+        if outcome is not None:
+            message = (
+                f"{outcome} after {done} iterations at end-shortening {state.end_shortening:.6g}, "
+                f"largest residual force {report.residual:.3g} (x{report.excess:.3g} of what is allowed)"
+            )
+            return Solution(state, outcome, done, report.residual, message)
+        report = relaxer.advance()
+        done += report.iterations
+
+
+def judge(report: Report, done: int, limit: int) -> Outcome | None:
+    """Return how the relaxation ended, or None while it goes on."""
+    if not report.sound:
+        return Outcome.DIVERGED
+    if report.excess <= 1:
+        return Outcome.CONVERGED
+    if not report.alive:
+        return Outcome.STALLED
+    if done >= limit:
+        return Outcome.MAX_ITERATIONS
+    return None

@@ -1,0 +1,21 @@
+"""The methods by their names in a scene file."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+
+from derod.relax.explicit import Explicit
+from derod.relax.implicit import Implicit
+from derod.relax.loop import Relaxer
+
+METHODS: dict[str, Callable[[], Relaxer]] = {
+    "implicit": Implicit,
+    "fire": partial(Explicit, kinetic=False),
+    "kinetic": partial(Explicit, kinetic=True),
+}
+
+
+def make_relaxer(name: str) -> Relaxer:
+    """Return the relaxer that a scene names (``relax.method``)."""
+    return METHODS[name]()

@@ -1,0 +1,175 @@
+"""A scene made ready for the kernels: constants, mesh, room to work in, and questions about a state.
+
+Inside, the bending stiffness is 1: forces and energies are divided by the scene's ``rod.bending`` here
+and multiplied back when a frame is made.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from derod.core import assembly, newton
+from derod.core.grid import lay_grid
+from derod.core.kinematics import measure
+from derod.core.layout import Physics
+from derod.core.residual import excess
+from derod.core.wall import wall_gap
+from derod.linalg.bordered import new_factor
+from derod.mesh import dry_mesh, wetted_mesh
+from derod.scene import Scene
+from derod.state import State
+
+AXES = {2: (0.0, 1.0), 3: (0.0, 0.0, 1.0)}
+
+
+class Energies(NamedTuple):
+    """Parts of E_tot, in units of the rod's bending stiffness over D."""
+
+    bend: float
+    twist: float
+    wall: float
+    capillary: float
+
+    @property
+    def total(self) -> float:
+        """Return E_tot."""
+        return self.bend + self.twist + self.wall + self.capillary
+
+
+@dataclass(slots=True)
+class Equilibrium:
+    """What the linearisation at a settled state tells."""
+
+    unstable_modes: int
+    slope_q: np.ndarray  # dq/ddelta
+    slope_b: np.ndarray  # db/ddelta
+
+
+class System:
+    """The discrete rod of one scene."""
+
+    def __init__(self, scene: Scene) -> None:
+        unit = scene.rod.bending
+        self.scene = scene
+        self.bending = unit
+        self.dimension = scene.model.dimension
+        self.edges = scene.mesh.edges
+        self.end_rotation = scene.clamps.end_rotation
+        self.tolerance = scene.relax.tolerance
+        drop = scene.drop
+        self.physics = Physics(
+            AXES[self.dimension],
+            scene.rod.twisting / unit,
+            drop.capillary_force / unit if drop else 0.0,
+            drop.wall_strength / unit if drop else 0.0,
+            float(drop.wall_softness) if drop else 0.0,
+            float(scene.rod.length),
+            drop is not None,
+        )
+        self.mesh = wetted_mesh(self.edges) if drop else dry_mesh(self.edges)
+        self.room = assembly.new_room(self.mesh, self.physics)
+        linear = self.room.linear
+        rows, stride = linear.band.shape
+        self.factor = new_factor(rows, stride, linear.border.shape[1])
+
+    def rest_lengths(self, state: State) -> np.ndarray:
+        """Return the rest lengths l_j, (N,), D."""
+        lay_grid(self.mesh, self.physics.length, state.b, self.room.kin)
+        return self.room.kin.rest[1:-1].copy()
+
+    def arc_length(self, state: State) -> np.ndarray:
+        """Return the arc length of the nodes, (N+1,), D."""
+        return np.concatenate([[0.0], np.cumsum(self.rest_lengths(state))])
+
+    def gradient(self, state: State) -> bool:
+        """Fill the room with the residual at the state and follow the holonomy; False if not finite."""
+        state.holonomy, sound = assembly.gradient(
+            self.physics,
+            self.mesh,
+            state.q,
+            state.b,
+            state.holonomy,
+            self.end_rotation,
+            self.room,
+        )
+        return bool(sound)
+
+    def excess(self, tolerance: float) -> tuple[float, float]:
+        """Return how far the residual last taken is above its tolerance, and its largest force."""
+        room = self.room
+        return excess(self.physics, room.r, room.rb, room.kin, tolerance)
+
+    def end_tension(self) -> float:
+        """Return t, the axial force on the end clamp, from the gradient last taken."""
+        return float(self.room.r[self.edges, self.dimension - 1])
+
+    def energies(self, state: State) -> Energies:
+        """Return the energy's parts at a state."""
+        measure(self.physics, self.mesh, state.q, state.b, self.room.kin)
+        return Energies(
+            *assembly.energies(
+                self.physics,
+                state.q,
+                state.b,
+                state.holonomy,
+                self.end_rotation,
+                self.room,
+            )
+        )
+
+    def energy_hat(self, state: State) -> float:
+        """Return E_hat = E_tot + f_gamma (delta + 1)."""
+        return self.energies(state).total + self.physics.capillary_force * (
+            state.end_shortening + 1
+        )
+
+    def outer_length(self, state: State) -> float:
+        """Return the shorter length outside the drop, D; without a drop, the whole rod's."""
+        s_a, s_b = state.menisci
+        return min(s_a, self.physics.length - s_b) if self.physics.drop else self.physics.length
+
+    def wall_gap(self, state: State) -> float:
+        """Return the least 1 + rho - 2 r of the wetted nodes, D."""
+        return float(wall_gap(self.physics, self.room.kin, state.q, state.b))
+
+    def analyse(self, state: State) -> Equilibrium:
+        """Count the unstable modes of a settled state and take its slope along the branch."""
+        slope_q, slope_b = np.zeros_like(state.q), np.zeros_like(state.b)
+        count = newton.analyse(
+            self.physics,
+            self.mesh,
+            self.end_rotation,
+            state.holonomy,
+            self.room,
+            self.factor,
+            state.q,
+            state.b,
+            slope_q,
+            slope_b,
+        )
+        return Equilibrium(int(count), slope_q, slope_b)
+
+    def lowest_mode(self, state: State, start: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
+        """Return the lowest eigenvalue on the constraints and its mode.
+
+        ``start`` has the shape of q: a vector that is not orthogonal to the mode; its sign decides the
+        mode's. The mode's largest displacement is 1.
+        """
+        mode_q, mode_b = start.copy(), np.zeros_like(state.b)
+        value = newton.lowest_mode(
+            self.physics,
+            self.mesh,
+            self.end_rotation,
+            state.holonomy,
+            self.room,
+            self.factor,
+            state.q,
+            state.b,
+            mode_q,
+            mode_b,
+            30,
+        )
+        return float(value), mode_q, mode_b

@@ -1,0 +1,92 @@
+"""Exit codes and messages of ``derod branch`` and ``derod compare``."""
+
+import argparse
+import ast
+from pathlib import Path
+
+import pytest
+
+from derod.branches.cli import add_branch_parser, add_compare_parser
+
+RUNS = Path(__file__).parents[2] / "runs"
+PACKAGE = Path(__file__).parents[2] / "derod" / "branches"
+
+
+def run(*words):
+    parser = argparse.ArgumentParser()
+    subparsers = parser.add_subparsers()
+    add_branch_parser(subparsers)
+    add_compare_parser(subparsers)
+    args = parser.parse_args([str(w) for w in words])
+    return args.command(args)
+
+
+def test_branch_writes_and_exports(tmp_path, capsys):
+    target = tmp_path / "ax.h5"
+    code = run(
+        "branch", RUNS / "paper-figures.toml", "-o", target, "--paths", "Ax", "--max-step", 0.5
+    )
+    assert code == 0
+    assert "Ax " in capsys.readouterr().out
+    assert run("branch", target, "--export", "auto") == 0
+    assert "PT  TY  LAB" in capsys.readouterr().out
+    assert run("branch", target, "--export", "auto", "-o", tmp_path / "b.ax") == 0
+    assert (tmp_path / "b.ax").read_text().startswith("   0 derod branches of l = 10")
+
+
+def test_a_path_that_is_not_there_gives_three(tmp_path, capsys):
+    target = tmp_path / "b.h5"
+    scene = RUNS / "paper-figures.toml"
+    assert run("branch", scene, "-o", target, "--paths", "L8", "--max-step", 0.5, "--quiet") == 3
+    assert "L8: not met by the paths followed" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["branch", "missing.toml", "-o", "x.h5"], "missing.toml"),
+        (["branch", RUNS / "paper-text.toml"], "-o FILE is missing"),
+        (["branch", RUNS / "paper-text.toml", "-o", "/no/such/folder/x.h5"], "no such folder"),
+        (["branch", RUNS / "paper-text.toml", "-o", "x.h5", "--paths", "Bx"], "'Bx': no such path"),
+        (["branch", RUNS / "paper-text.toml", "-o", "x.h5", "--paths", ","], "no name in it"),
+        (["branch", RUNS / "paper-text.toml", "-o", "x.h5", "--tolerance", 0], "between 0 and 1"),
+        (["branch", RUNS / "paper-text.toml", "--export", "auto"], "paper-text.toml"),
+        (["compare", "missing.h5", "missing.h5"], "missing.h5"),
+        (["compare", "a.h5", "b.h5", "--tolerance", -1], "must be positive"),
+    ],
+)
+def test_bad_input_gives_two(words, message, capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert run(*words) == 2
+    error = capsys.readouterr().err
+    assert message in error
+    assert error.count("\n") == 1
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("line", "key"),
+    [("wall_softness = 0.1", "drop.weight"), ("bending = 1 ", "rod.bending")],
+)
+def test_scenes_outside_the_papers_problem(line, key, tmp_path, capsys):
+    text = (RUNS / "paper-text.toml").read_text()
+    new = f"{line}\nweight = 0.5" if key == "drop.weight" else "bending = [1, 2] "
+    scene = tmp_path / "other.toml"
+    scene.write_text(text.replace(line, new, 1))
+    assert run("branch", scene, "-o", tmp_path / "x.h5") == 2
+    assert key in capsys.readouterr().err
+
+
+def test_shares_no_code_with_the_rod():
+    """Agreement with the discrete rod is evidence only while nothing is shared."""
+    allowed = {"derod.branches", "derod.errors", "derod.scene"}
+    for path in PACKAGE.glob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text())):
+            names = []
+            if isinstance(node, ast.Import):
+                names = [alias.name for alias in node.names]
+            elif isinstance(node, ast.ImportFrom):
+                names = [node.module or ""]
+            for name in names:
+                if name.split(".")[0] == "derod" and name != "derod":
+                    assert ".".join(name.split(".")[:2]) in allowed, (path.name, name)

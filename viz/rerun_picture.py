@@ -1,0 +1,69 @@
+"""Pictures of a run as rerun shows it, without a display: ``python viz/rerun_picture.py RUN -o
+OUT.png``.
+
+Needs a software Vulkan driver (Debian: mesa-vulkan-drivers).
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+from derod.stream.replay import replay_file
+from derod.stream.target import parse_target
+from derod.stream.viewers import VIEWER_MEMORY, close_recording, free_port, program
+
+SETTLE = 12.0  # s until the viewer has loaded everything and its notices are gone
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Replay the file into a viewer without a window and take its picture."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("file", help="run or branch file, or .rrd")
+    parser.add_argument("-o", "--output", required=True, help="PNG to write")
+    parser.add_argument("--time", default="increment=-1", help="TIMELINE=VALUE to show")
+    parser.add_argument("--color", default="curvature", help="what the rod is coloured by")
+    parser.add_argument("--width", type=int, default=1400, help="of the picture, pixels")
+    args = parser.parse_args(arguments)
+    with tempfile.TemporaryDirectory() as folder:
+        recording = args.file
+        if not recording.endswith(".rrd"):
+            recording = str(Path(folder) / "replay.rrd")
+            close_recording(
+                replay_file(args.file, parse_target(recording), args.color).recording, 60.0
+            )
+        timeline, _, value = args.time.partition("=")
+        Path(args.output).write_bytes(picture(recording, timeline, float(value), args.width))
+    print(args.output)
+    return 0
+
+
+def picture(recording: str, timeline: str, value: float, width: int) -> bytes:
+    """The PNG of a headless viewer that shows ``recording`` at a time; -1 is its end."""
+    from rerun.experimental import ViewerClient
+
+    viewer = ViewerClient.spawn(
+        headless=True,
+        port=free_port(9881),
+        memory_limit=VIEWER_MEMORY,
+        executable_path=program()[0],
+    )
+    try:
+        viewer.open(recording)
+        time.sleep(SETTLE)
+        if value >= 0:
+            if timeline == "end_shortening":
+                viewer.set_time(timeline, duration=value, play_state="paused")
+            else:
+                viewer.set_time(timeline, sequence=int(value), play_state="paused")
+        time.sleep(2.0)
+        return viewer.take_screenshot(max_size=width)
+    finally:
+        viewer.quit()
+
+
+if __name__ == "__main__":
+    sys.exit(main())
