@@ -127,11 +127,11 @@ class Run(BaseRun):
         self._frames, self._events = int(frames), int(events)
         self.created = str(self._file["parameters"].attrs["created"])
         stored = self._read(layout.ENDING, 0)
-        outcome = layout.decoded(stored["outcome"])
+        outcome = layout.decoded(bytes(stored["outcome"]))
         self._ending = (
             Ending(
                 outcome=Outcome(outcome),
-                message=layout.decoded(stored["message"]),
+                message=layout.decoded(bytes(stored["message"])),
                 end_shortening=float(stored["end_shortening"]),
             )
             if outcome
