@@ -1,8 +1,9 @@
 """A cache of compiled kernels that never goes stale.
 
-numba notices a change in a cached function's own file only: a kernel whose callee changed in another
-module keeps running the old code. So every state of the sources gets a cache folder of its own,
-named by their hash. Packages with kernels call ``point_numba_at_own_cache`` before they import numba.
+numba notices a change in a cached function's own file only: a kernel whose callee changed in
+another module keeps running the old code. So every state of the sources gets a cache folder of its
+own, named by their hash. Packages with kernels call ``point_numba_at_own_cache`` before they import
+numba.
 
 BLAS threads are not set here: the small systems of a push are solved in our own kernels, and a
 process that wants OpenBLAS with one thread has to say so before numpy is imported.
@@ -10,6 +11,7 @@ process that wants OpenBLAS with one thread has to say so before numpy is import
 
 from __future__ import annotations
 
+import getpass
 import hashlib
 import os
 import platform
@@ -60,7 +62,7 @@ def _made_folder(name: str) -> Path:
         folder.mkdir(parents=True, exist_ok=True)
         os.utime(folder)
     except OSError:  # a read-only home
-        folder = Path(tempfile.gettempdir()) / f"derod-{os.getuid()}" / name
+        folder = Path(tempfile.gettempdir()) / f"derod-{getpass.getuser()}" / name
         folder.mkdir(parents=True, exist_ok=True)
         os.utime(folder)
     prune(folder.parent)

@@ -24,12 +24,12 @@ def push(
     """Push the rod of ``scene`` and return the run, open for reading.
 
     With ``path`` every increment is committed to that HDF5 file as it settles; without, the run is
-    kept in memory. ``observers`` see each frame after it was recorded. ``resume`` goes on, in place,
-    with a run file that was killed, interrupted or finished; ``scene`` may then be None, or the same
-    rod pushed further.
+    kept in memory. ``observers`` see each frame after it was recorded. ``resume`` goes on, in
+    place, with a run file that was killed, interrupted or finished; ``scene`` may then be None, or
+    the same rod pushed further.
 
-    However the push ends, also by Ctrl-C, the run says so in ``run.ending``. Raises SceneError for a
-    scene that is not allowed and RecordError when the file cannot be written or read.
+    However the push ends, also by Ctrl-C, the run says so in ``run.ending``. Raises SceneError for
+    a scene that is not allowed and RecordError when the file cannot be written or read.
     """
     if resume is not None:
         if path is not None:

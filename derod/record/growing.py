@@ -9,7 +9,6 @@ there.
 from __future__ import annotations
 
 import datetime
-import errno
 import os
 import platform
 from importlib import metadata
@@ -154,12 +153,12 @@ class GrowingFile:
             return
         ahead = FRAMES_AHEAD * self._frame_bytes + 2 * METADATA_BYTES
         self._tail.seek(end)
+        room = memoryview(bytes(ahead))
         try:
-            written = self._tail.write(bytes(ahead))
+            while room:  # a short write comes before the error that tells why
+                room = room[self._tail.write(room) :]
         except OSError as error:
             raise NoRoomError(error.errno, error.strerror, self.path) from error
-        if written < ahead:
-            raise NoRoomError(errno.ENOSPC, os.strerror(errno.ENOSPC), self.path)
         self._reserved = end + ahead
 
     def _create(self, scene: Scene, created: str | None) -> None:

@@ -46,7 +46,7 @@ class Run(BaseRun):
     def table(self) -> np.ndarray:
         """One row for each settled increment, (T,), read-only."""
         if self._table is None:
-            table: np.ndarray = self._file[f"{layout.TABLE}/value"][: self._frames]
+            table: np.ndarray = self._read(f"{layout.TABLE}/value", slice(self._frames))
             table.flags.writeable = False
             self._table = table
         return self._table
@@ -54,7 +54,7 @@ class Run(BaseRun):
     @property
     def events(self) -> tuple[Event, ...]:
         """What happened between the frames."""
-        stored = self._file[layout.EVENTS][: self._events]
+        stored = self._read(layout.EVENTS, slice(self._events))
         return tuple(
             Event(
                 increment=int(event["increment"]),
@@ -81,10 +81,15 @@ class Run(BaseRun):
         return self._frames
 
     def refresh(self) -> Self:
-        """Open the file again: its writer may have gone on, ended, or put another in its place."""
-        fresh = _open(self.path)
-        self._file.close()
-        self._file = fresh
+        """Take in what was recorded since, also into a file that took the place of this one."""
+        try:
+            replaced = not os.path.samestat(os.stat(self.path), self._stat)  # noqa: PTH116
+        except OSError:
+            replaced = False  # moved or deleted: what is open stays readable
+        if replaced:
+            fresh = _open(self.path)
+            self._file.close()
+            self._file = fresh
         self._read_head()
         return self
 
@@ -94,25 +99,39 @@ class Run(BaseRun):
 
     def field(self, name: str, i: int) -> np.ndarray:
         """The array of increment ``i`` that the layout calls ``name``."""
-        return self._file[f"{name}/value"][i]
+        return self._read(f"{name}/value", i)
+
+    def _read(self, name: str, what: Any) -> np.ndarray:
+        """Part of a dataset as it is now.
+
+        HDF5 keeps what it once read of a file, for all who open it in a process, and forgets it on
+        demand only while nobody holds the dataset open: so it is opened for each reading.
+        """
+        dataset = self._file[name]
+        if self._file.swmr_mode and name not in self._fresh:
+            dataset.refresh()
+            self._fresh.add(name)
+        return dataset[what]
 
     def _read_head(self) -> None:
         """Read what tells how far the file goes."""
         self._scene = self._table = None
+        self._fresh: set[str] = set()
+        self._stat = os.fstat(self._file.id.get_vfd_handle())
         version = self._file.attrs.get("derod_format")
         if version is None:
             raise RecordError(f"{self.path}: is not a run file of derod")
         if version > layout.FORMAT:
             raise RecordError(f"{self.path}: was written by a newer derod (format {version})")
-        frames, events = self._file[layout.COMMITTED][:]
+        frames, events = self._read(layout.COMMITTED, slice(None))
         self._frames, self._events = int(frames), int(events)
         self.created = str(self._file["parameters"].attrs["created"])
-        stored = self._file[layout.ENDING][0]
-        outcome = layout.decoded(stored["outcome"])
+        stored = self._read(layout.ENDING, 0)
+        outcome = layout.decoded(bytes(stored["outcome"]))
         self._ending = (
             Ending(
                 outcome=Outcome(outcome),
-                message=layout.decoded(stored["message"]),
+                message=layout.decoded(bytes(stored["message"])),
                 end_shortening=float(stored["end_shortening"]),
             )
             if outcome
@@ -138,7 +157,7 @@ def _open(path: str) -> h5py.File:
             time.sleep(OPEN_PAUSE)  # its header may have been in the middle of a change
         for live in (False, True):
             try:
-                return h5py.File(path, "r", swmr=live, locking=False)
+                return h5py.File(path, "r", swmr=live, locking=False, rdcc_nbytes=0)
             except OSError as error:
                 reasons.append(str(error).splitlines()[0])
         if not h5py.is_hdf5(path):

@@ -139,7 +139,8 @@ def _create(path: str, scene: Scene, old: Run | None) -> GrowingFile:
     except BaseException as error:
         if file is not None:
             file.abandon()
-        Path(passing).unlink(missing_ok=True)
+        if os.path.lexists(passing):
+            os.unlink(passing)  # noqa: PTH108
         if isinstance(error, OSError | RuntimeError):
             raise RecordError(f"{path}: cannot be written: {_reason(error)}") from error
         raise
