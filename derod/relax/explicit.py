@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from derod.core import explicit, masses
 from derod.core.layout import S_A, S_B, X_C
+from derod.core.residual import EPS
 from derod.relax.loop import Report
 from derod.state import State
 from derod.system import System
 
 BATCH = 500  # steps between two looks at the masses
+ROUNDING = 16.0  # a tension lambda + kappa g is known to kappa times the rounding of a position
 FIRST_LEVEL = 1e-2  # K0/D^2, of the forces at the first renewal of the multipliers
 
 
@@ -24,15 +26,18 @@ class Explicit:
 
     def begin(self, system: System, state: State, tolerance: float, *, descend: bool) -> Report:
         """Take the residual of the state, and start at rest."""
-        self.system, self.state, self.tolerance = system, state, tolerance
+        self.system, self.state = system, state
         d = system.dimension
         if system.physics.drop:  # the menisci only move as mirror images from here on
             off = 0.5 * (state.b[S_A] + state.b[S_B] - system.physics.length)
             state.b[S_A] -= off
             state.b[S_B] -= off
         sound = system.gradient(state) and system.wall_gap(state) > 0
-        report = Report(0, *system.excess(tolerance), alive=True, sound=sound)
         self.inertia = masses.new_inertia(system.edges, d)
+        masses.fill_penalties(system.room.kin, self.inertia)
+        stiffest = float(self.inertia.penalty.max())
+        self.tolerance = max(tolerance, ROUNDING * EPS * system.physics.length * stiffest)
+        report = Report(0, *system.excess(self.tolerance), alive=True, sound=sound)
         self.motion = explicit.new_motion(system.edges, d)
         self.motion.tension[:] = state.q[:, d]
         self.motion.force[:] = state.b[X_C + d : X_C + d + 2]
