@@ -276,8 +276,8 @@ def test_quantities(text: object, value: float) -> None:
 
 @pytest.mark.parametrize(
     "text",
-    ["", " ", "* pi", "pi pi", "2 pi pi", "2,8 pi", "pi / 0", "1e999", "nan", "inf", "--1", "٣", "/2",
-     "1 2", "0x10", "1_000", "9" * 101, True, None, math.nan, math.inf],
+    ["", " ", "* pi", "pi pi", "2 pi pi", "2,8 pi", "pi / 0", "1e999", "nan", "inf", "--1", "٣",
+     "/2", "1 2", "0x10", "1_000", "9" * 101, True, None, math.nan, math.inf],
 )  # fmt: skip
 def test_what_is_no_quantity(text: object) -> None:
     with pytest.raises(ValueError, match=r".+"):
