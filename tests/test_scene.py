@@ -308,7 +308,7 @@ POSITIVE = st.floats(1e-6, 1e6)
 @st.composite
 def scenes(draw: st.DrawFn) -> Scene:
     dry = draw(st.booleans())
-    length = draw(st.floats(1.5, 100.0))
+    length = draw(st.floats(2.0, 100.0))  # half of it can be pushed in
     share = st.floats(1e-3, 0.25)
     start, low, high = (length * x for x in (draw(share), draw(share), 0.25 + draw(share)))
     stops = draw(st.sampled_from([[high], [high, low], [high, low, high]]))
