@@ -8,6 +8,7 @@ there.
 
 from __future__ import annotations
 
+import contextlib
 import datetime
 import os
 import platform
@@ -132,7 +133,8 @@ class GrowingFile:
         nowhere = os.open(os.devnull, os.O_RDWR)
         os.dup2(nowhere, descriptor)
         os.close(nowhere)
-        self._file.close()
+        with contextlib.suppress(OSError, RuntimeError):  # nowhere has no length to set
+            self._file.close()
         if hasattr(self, "_tail"):
             self._tail.close()
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import struct
 import time
 from pathlib import Path
 from typing import Any, Self
@@ -18,6 +19,8 @@ from derod.scene import Scene, parse_scene
 
 OPEN_TRIES = 5
 OPEN_PAUSE = 0.02  # s
+SIGNATURE = b"\x89HDF\r\n\x1a\n"
+SUPERBLOCK = struct.Struct("<8sB19xQ")  # version 2 and 3: signature, version, end of the file
 
 
 class Run(BaseRun):
@@ -30,8 +33,10 @@ class Run(BaseRun):
         self._file = _open(self.path)
         try:
             self._read_head()
-        except BaseException:
+        except BaseException as error:
             self._file.close()
+            if isinstance(error, KeyError | OSError | RuntimeError | ValueError):
+                raise RecordError(f"{self.path}: is damaged: {error}") from error
             raise
 
     @property
@@ -147,10 +152,29 @@ def open_run(path: str | os.PathLike[str]) -> Run:
     return Run(path)
 
 
+def is_cut(path: str) -> bool:
+    """Whether an HDF5 file is shorter than its superblock says.
+
+    HDF5 does not check this in a file opened as a live one, and then hangs.
+    """
+    try:
+        with Path(path).open("rb") as file:
+            head = file.read(SUPERBLOCK.size)
+            size = file.seek(0, os.SEEK_END)
+    except OSError:  # opening it says why
+        return False
+    if len(head) < SUPERBLOCK.size:
+        return False
+    signature, version, end = SUPERBLOCK.unpack(head)
+    return signature == SIGNATURE and version in (2, 3) and size < end
+
+
 def _open(path: str) -> h5py.File:
     """Open for reading; a live or killed file only opens as one that may be written meanwhile."""
     if not Path(path).is_file():
         raise RecordError(f"{path}: there is no such file")
+    if is_cut(path):
+        raise RecordError(f"{path}: cannot be read as a run file: its end is missing")
     reasons = []
     for attempt in range(OPEN_TRIES):
         if attempt:
