@@ -71,7 +71,7 @@ class Event:
 
     kind: "instability" (a kick along an unstable mode and the descent from it), "snap" (no
     neighbouring state: descent over a fold), "halving" (an increment did not converge and is
-    retried), "turn" (a turning point of push.stop), "resume".
+    retried), "turn" (a turning point of push.stop).
     """
 
     increment: int  # the frame that follows it

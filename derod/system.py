@@ -102,6 +102,16 @@ class System:
         room = self.room
         return excess(self.physics, room.r, room.rb, room.kin, tolerance)
 
+    def trouble(self, state: State) -> str:
+        """Return where a state that is not sound went wrong."""
+        for name, rows in (("state", state.q), ("force", self.room.r)):
+            bad = np.flatnonzero(~np.isfinite(rows).all(axis=1))
+            if bad.size:
+                return f"the {name} is not a number at node {bad[0]}"
+        if not (np.isfinite(state.b).all() and np.isfinite(self.room.rb).all()):
+            return "the drop or a meniscus is not a number"
+        return "an edge has no length, or a node is outside the wall"
+
     def end_tension(self) -> float:
         """Return t, the axial force on the end clamp, from the gradient last taken."""
         return float(self.room.r[self.edges, self.dimension - 1])

@@ -91,9 +91,11 @@ def relax(
             watch(done, state, report)
         outcome = judge(report, done, relaxer.limit)
         if outcome is not None:
+            place = "" if report.sound else f", {system.trouble(state)}"
             message = (
                 f"{outcome} after {done} iterations at end-shortening {state.end_shortening:.6g}, "
-                f"largest residual force {report.residual:.3g} (x{report.excess:.3g} of what is allowed)"
+                f"largest residual force {report.residual:.3g} "
+                f"(x{report.excess:.3g} of what is allowed){place}"
             )
             return Solution(state, outcome, done, report.residual, message)
         report = relaxer.advance()
