@@ -27,5 +27,6 @@ def test_it_ends_as_it_must(name: str) -> None:
     step = np.diff(table["end_shortening"])
     mean = 0.5 * (table["end_tension"][1:] + table["end_tension"][:-1])
     drift = np.abs(np.diff(table["energy_total"]) + mean * step)[smooth]
-    tension = np.abs(np.diff(table["end_tension"]))[smooth]
-    assert (drift <= np.abs(step[smooth]) * tension + 1e-6).all()
+    # the trapezoid's error where t has a kink (a pitchfork): step^2 times t's steepest slope
+    steepest = np.abs(np.diff(table["end_tension"]) / step)[smooth].max()
+    assert (drift <= steepest * step[smooth] ** 2 + 1e-6).all()
