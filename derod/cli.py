@@ -15,8 +15,8 @@ from typing import Any
 
 from derod import __version__
 from derod.errors import DerodError, RecordError
+from derod.exits import BAD_INPUT, DONE, INTERRUPTED, NOT_REACHED
 
-DONE, BAD_INPUT, NOT_REACHED, INTERRUPTED = 0, 2, 3, 130
 METHODS = ("implicit", "fire", "kinetic")
 
 COMMANDS: tuple[str, ...] = (
@@ -31,10 +31,6 @@ PUSH_WATCHERS: tuple[str, ...] = ("derod.stream.cli",)
 
 Each has ``add_push_options(parser)`` and ``make_observers(args, scene) -> list[Observer]``.
 """
-
-
-class UsageError(DerodError):
-    """Arguments that make no sense together, or with the files that are there."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -94,7 +90,7 @@ def _add_push(commands: Any) -> None:
     parser.add_argument("--quiet", action="store_true", help="show nothing but errors")
     for module in PUSH_WATCHERS:
         import_module(module).add_push_options(parser)
-    parser.set_defaults(command=_run("push"), writes=True)
+    parser.set_defaults(command=_run("push"), writes=True, watchers=PUSH_WATCHERS)
 
 
 def _add_check(commands: Any) -> None:

@@ -12,16 +12,16 @@ from contextlib import contextmanager
 from importlib import import_module
 from typing import NoReturn
 
-from derod import cli
+from derod import exits
 from derod.errors import RecordError
 from derod.frames import Observer, Outcome
 from derod.scene import Scene, dimensionless_groups, load_scene
 
 EXIT_CODES = {
-    Outcome.COMPLETED: cli.DONE,
-    Outcome.INTERRUPTED: cli.INTERRUPTED,
+    Outcome.COMPLETED: exits.DONE,
+    Outcome.INTERRUPTED: exits.INTERRUPTED,
 }
-"""Of the outcomes; all others are ``cli.NOT_REACHED``."""
+"""Of the outcomes; all others are ``exits.NOT_REACHED``."""
 
 
 def push(args: argparse.Namespace) -> int:
@@ -34,7 +34,7 @@ def push(args: argparse.Namespace) -> int:
         from derod.progress import Progress
 
         observers.append(Progress())
-    for module in cli.PUSH_WATCHERS:
+    for module in args.watchers:
         observers += import_module(module).make_observers(args, scene)
     with _terminable():
         run = push_scene(
@@ -48,9 +48,9 @@ def push(args: argparse.Namespace) -> int:
         ending, count = run.ending, len(run)
     if ending is None:
         raise RecordError(f"{run.path}: the push left no word of how it ended")
-    code = EXIT_CODES.get(ending.outcome, cli.NOT_REACHED)
+    code = EXIT_CODES.get(ending.outcome, exits.NOT_REACHED)
     words = f"{ending.outcome.replace('_', ' ')}: {ending.message}"
-    if code != cli.DONE:
+    if code != exits.DONE:
         print(f"derod: {words} ({count} increments in {run.path})", file=sys.stderr)
     elif not args.quiet:
         print(f"{words} ({count} increments in {run.path})")
@@ -63,7 +63,7 @@ def check(args: argparse.Namespace) -> int:
     print(f"{args.scene}: a scene that can be pushed")
     for group in dimensionless_groups(scene):
         print(f"  {group.symbol:18}{group.value:<14.6g}{group.meaning}")
-    return cli.DONE
+    return exits.DONE
 
 
 def info(args: argparse.Namespace) -> int:
@@ -74,7 +74,7 @@ def info(args: argparse.Namespace) -> int:
     with open_run(args.file) as run:
         for line in summary_lines(run):
             print(line)
-    return cli.DONE
+    return exits.DONE
 
 
 def _scene_to_push(args: argparse.Namespace) -> Scene:
@@ -87,17 +87,17 @@ def _scene_to_push(args: argparse.Namespace) -> Scene:
     given = {key: value for key, value in changes.items() if value is not None}
     if args.resume:
         if args.scene or args.output or args.force:
-            raise cli.UsageError("--resume FILE goes on in FILE: give no SCENE, -o or --force")
+            raise exits.UsageError("--resume FILE goes on in FILE: give no SCENE, -o or --force")
         if set(given) - {"push.stop"}:
-            raise cli.UsageError(
+            raise exits.UsageError(
                 "a resumed run keeps its method and its mesh; only --stop may change"
             )
         return _recorded_scene(args.resume).replace(given)
     if not args.scene or not args.output:
-        raise cli.UsageError("push needs SCENE and -o FILE, or --resume FILE")
+        raise exits.UsageError("push needs SCENE and -o FILE, or --resume FILE")
     scene = load_scene(args.scene).replace(given)
     if os.path.lexists(args.output) and not args.force:
-        raise cli.UsageError(f"{args.output}: exists already; --force replaces it")
+        raise exits.UsageError(f"{args.output}: exists already; --force replaces it")
     return scene
 
 
@@ -108,7 +108,7 @@ def _recorded_scene(path: str) -> Scene:
         with open_run(path) as run:
             return run.scene
     except RecordError as error:
-        raise cli.UsageError(str(error)) from error
+        raise exits.UsageError(str(error)) from error
 
 
 def _stops(text: str) -> str | list[str]:
