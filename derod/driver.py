@@ -94,7 +94,7 @@ class Push:
         if not self.recording:
             self.advance_to(start, [])
             self.recording = True
-            self.record(self.increment_here(), landing=True)
+            self.accept(self.increment_here(), landing=True)
 
     def begin_again(self, run: Run) -> None:
         """Take up a recorded run after its last frame."""
