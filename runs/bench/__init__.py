@@ -1,0 +1,1 @@
+"""Parts of the speed-against-error studies."""
