@@ -42,6 +42,7 @@ class Mesh(NamedTuple):
 
     outside: int  # edges in each outer region
     inside: np.ndarray  # fractions of the wetted length, one an inner edge
+    quadrature: np.ndarray  # weights of an integral over the wetted part, one an inner node
     layer: float  # D, the length over which the outer edges stay short
 
     @property
@@ -63,6 +64,7 @@ class Kinematics(NamedTuple):
     weight: np.ndarray  # (N+1,) 1 / (l_i + l_{i+1})
     turn: np.ndarray  # (N+1,) phi^2
     turn_slope: np.ndarray  # (N+1,) d phi^2 / d(1 - cos phi)
+    share: np.ndarray  # (N+1,) quadrature weights, of the wetted length; fixed
     node_a: int  # the menisci's nodes
     node_b: int
 
@@ -102,6 +104,9 @@ def new_kinematics(mesh: Mesh, physics: Physics) -> Kinematics:
     n = mesh.edges + 2
     tangent = np.zeros((n, len(axis)))
     tangent[0] = tangent[-1] = axis
+    share = np.zeros(n - 1)
+    if physics.drop:
+        share[node_a : node_b + 1] = mesh.quadrature
     return Kinematics(
         np.zeros(n),
         np.zeros((2, n)),
@@ -113,6 +118,7 @@ def new_kinematics(mesh: Mesh, physics: Physics) -> Kinematics:
         np.zeros(n - 1),
         np.zeros(n - 1),
         np.zeros(n - 1),
+        share,
         node_a if physics.drop else 1,
         node_b if physics.drop else 0,
     )

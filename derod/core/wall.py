@@ -3,6 +3,9 @@
 It is a barrier, singular at r = (1 + rho)/2. At r = 0 the printed potential has a cone, which would
 give a rod through the drop's centre a kink; within CORE the distance is replaced by the smooth even
 polynomial that meets it with two derivatives, which moves energies by less than v0 CORE^2.
+
+Inner edges are fixed fractions of the wetted length, so an integral over it is s_B - s_A times a fixed
+weighted sum over the nodes (``derod.mesh.quadrature``, of fourth order like the rod).
 """
 
 from __future__ import annotations
@@ -10,7 +13,7 @@ from __future__ import annotations
 import math
 
 from derod.core.jit import kernel
-from derod.core.layout import X_C
+from derod.core.layout import S_A, S_B, X_C
 
 CORE = 0.01  # D
 
@@ -33,28 +36,6 @@ def wall(physics, r2):
     v_r = 2 * v * inverse
     v_rr = 4 * v_r * inverse
     return v, v_r * r_w, v_rr * r_w * r_w + v_r * r_ww
-
-
-@kernel
-def wetted_weight(kin, i):
-    """Return the arc length that node i stands for inside the drop."""
-    weight = 0.0
-    if i > kin.node_a:
-        weight += 0.5 * kin.rest[i]
-    if i < kin.node_b:
-        weight += 0.5 * kin.rest[i + 1]
-    return weight
-
-
-@kernel
-def wetted_weight_slope(kin, i, s):
-    """Return the derivative of ``wetted_weight`` by s_A (s = 0) or s_B (s = 1)."""
-    slope = 0.0
-    if i > kin.node_a:
-        slope += 0.5 * kin.slope[s, i]
-    if i < kin.node_b:
-        slope += 0.5 * kin.slope[s, i + 1]
-    return slope
 
 
 @kernel
@@ -81,39 +62,38 @@ def wall_energy(physics, kin, q, b):
     total = 0.0
     for i in range(kin.node_a, kin.node_b + 1):
         v, _, _ = wall(physics, squared_distance(physics, q, b, i))
-        total += wetted_weight(kin, i) * v
-    return total
+        total += kin.share[i] * v
+    return (b[S_B] - b[S_A]) * total
 
 
 @kernel
 def add_wall_gradient(physics, kin, q, b, grad):
-    """Add the wall's push on the nodes, and its energy by the rest lengths."""
-    half = 0.0  # of the rest length on the left, where it is wetted
+    """Add the wall's push on the nodes, and its energy by the menisci's places."""
+    twice = 2 * (b[S_B] - b[S_A])
+    mean = 0.0
     for i in range(kin.node_a, kin.node_b + 1):
         v, v_w, _ = wall(physics, squared_distance(physics, q, b, i))
-        push = 2 * half * v_w
-        if i > kin.node_a:
-            grad.rest[i] += 0.5 * v
-        half = 0.0
-        if i < kin.node_b:
-            grad.rest[i + 1] += 0.5 * v
-            half = 0.5 * kin.rest[i + 1]
-        push += 2 * half * v_w
+        mean += kin.share[i] * v
+        push = twice * kin.share[i] * v_w
         for k in range(len(physics.axis)):
             grad.node[i, k] += push * (q[i, k] - b[X_C + k])
+    grad.border[S_A] -= mean
+    grad.border[S_B] += mean
 
 
 @kernel
 def add_wall_hessian(physics, kin, q, b, hess):
     """Add the wall's second derivatives; those by x_C follow in ``assembly`` from the nodes'."""
     d = len(physics.axis)
+    wetted = b[S_B] - b[S_A]
     for i in range(kin.node_a, kin.node_b + 1):
         _, v_w, v_ww = wall(physics, squared_distance(physics, q, b, i))
-        weight = wetted_weight(kin, i)
+        weight = wetted * kin.share[i]
+        by_place = 2 * kin.share[i] * v_w
         for k in range(d):
             x_k = q[i, k] - b[X_C + k]
             hess.node[i, k, k] += 2 * weight * v_w
             for m in range(d):
                 hess.node[i, k, m] += 4 * weight * v_ww * x_k * (q[i, m] - b[X_C + m])
-            for s in range(2):
-                hess.node_menisci[s, i, k] += 2 * wetted_weight_slope(kin, i, s) * v_w * x_k
+            hess.node_menisci[S_A, i, k] -= by_place * x_k
+            hess.node_menisci[S_B, i, k] += by_place * x_k

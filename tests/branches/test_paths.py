@@ -66,9 +66,19 @@ def test_every_point_is_accurate_to_its_mesh(branches):
 
 
 def test_work_identity(branches, catalogue):
-    """dE_tot/ddelta = -t: Gauss quadrature of t over short stretches of each path."""
+    """dE_tot/ddelta = -t: Gauss quadrature of t over short stretches of each path.
+
+    Late on Ax the rod passes the wall's cone at the drop's centre: its energy is known to 1e-9 there
+    instead of 1e-12, and dividing by the stretch makes 40 of it.
+    """
     x, w = np.polynomial.legendre.leggauss(8)
-    for name, pick in (("Ax", 12), ("Ax", -10), ("3D", 20), ("L2", 25), ("3D-L2", 10)):
+    for name, pick, limit in (
+        ("Ax", 12, 1e-10),
+        ("Ax", -10, 4e-8),
+        ("3D", 20, 1e-10),
+        ("L2", 25, 1e-10),
+        ("3D-L2", 10, 1e-10),
+    ):
         branch = branches[name]
         mirror = branch.even if name != "3D" else FULL
         state = adapted(branch.points[pick].state, 3.5)
@@ -84,7 +94,7 @@ def test_work_identity(branches, catalogue):
             for xk, wk in zip(x, w, strict=True)
         )
         change = there(b)["energy_total"] - there(a)["energy_total"]
-        assert change / (b - a) == pytest.approx(-work / (b - a), abs=1e-8), name
+        assert change / (b - a) == pytest.approx(-work / (b - a), abs=limit), name
 
 
 def test_invariants_of_settled_states(branches):
