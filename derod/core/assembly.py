@@ -50,7 +50,6 @@ class Room(NamedTuple):
     r: np.ndarray  # (N+1, d+1) residual by q
     rb: np.ndarray  # (d+5,) residual by b
     linear: Linear
-    scratch: np.ndarray  # (d,)
 
 
 def half_width(d: int) -> int:
@@ -81,7 +80,6 @@ def new_room(mesh: Mesh, physics: Physics) -> Room:
         np.zeros((edges + 1, d + 1)),
         np.zeros(d + 5),
         new_linear(edges, d),
-        np.zeros(d),
     )
 
 
@@ -91,7 +89,7 @@ def energies(physics, q, b, psi, end_rotation, room):
     moment = twisting_moment(physics, end_rotation, psi)
     twist = 0.5 * moment * (end_rotation - psi)
     return (
-        bending_energy(physics, room.kin) + defect_energy(physics, room.kin, room.scratch),
+        bending_energy(room.kin) + defect_energy(physics.axis, room.kin),
         twist if len(physics.axis) == 3 else 0.0,
         wall_energy(physics, room.kin, q, b),
         capillary_energy(physics, b),
@@ -114,7 +112,7 @@ def gradient(physics, mesh, q, b, psi, end_rotation, room):
 def constraints(physics, mesh, q, b, room):
     """Measure the rod and fill the stretch constraints; return False where an edge has no length."""
     sound = measure(physics, mesh, q, b, room.kin)
-    fill_turns(physics, room.kin, room.grad)
+    fill_turns(room.kin, room.grad)
     add_stretch(room.kin, room.grad)
     return sound
 
@@ -129,25 +127,23 @@ def forces(physics, q, b, psi, end_rotation, room):
         tension[e] = q[e, d]
     grad.node[:] = 0.0
     grad.border[:] = 0.0
-    fill_bending_gradient(physics, kin, tension, grad)  # the first: it sets what others add to
-    add_defect_gradient(physics, kin, room.scratch, grad)
-    add_stretch_gradient(physics, kin, tension, grad)
+    fill_bending_gradient(physics.axis, kin, tension, grad)  # the first: it sets what others add to
+    add_defect_gradient(physics.axis, kin, grad)
+    add_stretch_gradient(kin, tension, grad)
     if physics.drop:
         add_wall_gradient(physics, kin, q, b, grad)
         add_menisci_gradient(physics, kin, q, b, grad)
+    turn_into_edges(physics.axis, kin, grad)
     if d == 3:
-        psi = holonomy(physics, kin, psi, grad)
+        psi = holonomy(kin, psi, grad)
         add_twist_gradient(kin, twisting_moment(physics, end_rotation, psi), grad)
-    grad.edge[0] = 0.0  # the clamps' tangents do not move
-    grad.edge[n + 1] = 0.0
+    for k in range(d):
+        for i in range(n + 1):
+            room.r[i, k] = grad.node[i, k] + grad.edge[k, i] - grad.edge[k, i + 1]
     total = 0.0
     for i in range(n + 1):
-        for k in range(d):
-            f = grad.node[i, k] + grad.edge[i, k] - grad.edge[i + 1, k]
-            room.r[i, k] = f
-            total += f
         room.r[i, d] = grad.constraint[i]
-        total += grad.constraint[i]
+        total += room.r[i, 0] + room.r[i, 1] + room.r[i, d - 1] + room.r[i, d]
     for i in range(kin.node_a, kin.node_b + 1):
         for k in range(d):
             grad.border[X_C + k] -= grad.node[i, k]  # moving the drop is moving the nodes back
@@ -159,6 +155,29 @@ def forces(physics, q, b, psi, end_rotation, room):
     grad.border[S_B] += by_b
     room.rb[:] = grad.border
     return psi, np.isfinite(total) and np.isfinite(np.sum(room.rb))
+
+
+@kernel
+def turn_into_edges(axis, kin, grad):
+    """Turn derivatives by directions and duals into those by edges and rest lengths.
+
+    Edges 0 and N+1, the clamps' tangents, do not move.
+    """
+    n = kin.rest.size - 2
+    dot = grad.by_edge
+    for e in range(1, n + 1):
+        along = 0.0
+        for k in range(len(axis)):
+            along += kin.tangent[k, e] * grad.direction[k, e]
+        dot[e] = along
+    for e in range(1, n + 1):
+        dot[e] = kin.inverse[e] * dot[e] - grad.pull[e]
+    for k in range(len(axis)):
+        for e in range(1, n + 1):
+            across = kin.inverse[e] * grad.direction[k, e]
+            grad.edge[k, e] = across - dot[e] * kin.tangent[k, e]
+    for e in range(1, n + 1):
+        grad.rest[e] += grad.dual[e - 1] + grad.dual[e]
 
 
 @kernel
@@ -174,8 +193,12 @@ def hessian(physics, q, b, psi, end_rotation, room):
     hess.node_menisci[:] = 0.0
     hess.constraint_menisci[:] = 0.0
     hess.border[:] = 0.0
+    for e in range(kin.rest.size):
+        for k in range(len(physics.axis)):
+            hess.tangent[e, k] = kin.tangent[k, e]
+            hess.difference[e, k] = kin.difference[k, e]
     add_bending_hessian(physics, kin, room.tension, hess)
-    add_defect_hessian(physics, kin, room.scratch, hess)
+    add_defect_hessian(physics.axis, kin, hess)
     add_stretch_hessian(physics, kin, room.tension, hess)
     if physics.drop:
         add_wall_hessian(physics, kin, q, b, hess)
@@ -188,7 +211,7 @@ def hessian(physics, q, b, psi, end_rotation, room):
         for e in range(kin.rest.size):
             hess.border[s, s] += room.grad.rest[e] * kin.curve[s, e]
     if len(physics.axis) == 3:
-        add_twist_hessian(physics, kin, twisting_moment(physics, end_rotation, psi), hess)
+        add_twist_hessian(kin, twisting_moment(physics, end_rotation, psi), hess)
     fill_band(physics, hess, room.linear.band)
     fill_border(physics, q, b, room)
 
@@ -288,7 +311,7 @@ def fill_twist_and_turn(physics, kin, grad, q, b, border, corner):
         row = 4 * (i - 1)
         for k in range(3):
             if twists:
-                border[row + k, moment] = grad.holonomy[i, k] - grad.holonomy[i + 1, k]
+                border[row + k, moment] = grad.holonomy[k, i] - grad.holonomy[k, i + 1]
         dual = 0.5 * (kin.rest[i] + kin.rest[i + 1])
         border[row, turn] = -dual * q[i, 1]
         border[row + 1, turn] = dual * q[i, 0]

@@ -22,85 +22,70 @@ from derod.core.jit import kernel
 
 
 @kernel
-def vertex_turn(axis, tangent, i):
-    """Return u = 1 - cos(phi) at vertex i."""
-    u = 0.0
-    for k in range(len(axis)):
-        u += (tangent[i, k] - tangent[i + 1, k]) ** 2
-    return 0.5 * u
-
-
-@kernel
-def fill_turns(physics, kin, grad):
-    """Measure the turning angles, and set the arcs' share of the stretch constraints.
-
-    The loops are apart so that the series runs on several vertices at once.
-    """
-    for i in range(kin.rest.size - 1):
-        kin.fall[i] = vertex_turn(physics.axis, kin.tangent, i)
+def fill_turns(kin, grad):
+    """Measure the turning angles, and set the arcs' share of the stretch constraints."""
     small = True
-    for i in range(kin.rest.size - 1):
+    for i in range(kin.fall.size):
         kin.turn[i], kin.turn_slope[i] = small_squared_angle(kin.fall[i])
         small &= kin.fall[i] < SERIES_LIMIT
     if not small:
-        for i in range(kin.rest.size - 1):
+        for i in range(kin.fall.size):
             kin.turn[i], kin.turn_slope[i], _ = squared_angle(kin.fall[i])
-    before = 0.0  # the first vertex's share of its second edge
-    for i in range(kin.rest.size - 1):
-        p, r = kin.rest[i], kin.rest[i + 1]
-        share = kin.turn[i] * kin.weight[i] * kin.weight[i] / 12
-        grad.constraint[i] = before + share * p * p * p
-        before = share * r * r * r
-    grad.constraint[kin.rest.size - 1] = before
+    share = grad.by_vertex
+    for i in range(kin.fall.size):
+        share[i] = kin.turn[i] * kin.weight[i] * kin.weight[i] / 12
+    for e in range(1, kin.rest.size - 1):
+        grad.constraint[e] = (share[e - 1] + share[e]) * kin.rest[e] * kin.rest[e] * kin.rest[e]
 
 
 @kernel
-def bending_energy(physics, kin):
+def bending_energy(kin):
     """Return E_bend, K0/D."""
     total = 0.0
-    for i in range(kin.rest.size - 1):
-        phi2, _, _ = squared_angle(vertex_turn(physics.axis, kin.tangent, i))
-        total += phi2 / (kin.rest[i] + kin.rest[i + 1])
+    for i in range(kin.fall.size):
+        phi2, _, _ = squared_angle(kin.fall[i])
+        total += phi2 * kin.weight[i]
     return total
 
 
 @kernel
-def fill_bending_gradient(physics, kin, tension, grad):
-    """Set the derivatives of sum C_i phi_i^2 by the edges and the rest lengths; after ``fill_turns``."""
-    tangent = kin.tangent
-    grad.edge[0] = 0.0
-    grad.rest[0] = 0.0
-    for i in range(kin.rest.size - 1):
-        cosine = 1 - kin.fall[i]
-        p, r = kin.rest[i], kin.rest[i + 1]
-        tp, tr = tension[i], tension[i + 1]
-        w = kin.weight[i]
-        p2, r2 = p * p, r * r
-        x = tp * p2 * p + tr * r2 * r
-        # du/de_i = -(b - cos a)/|e_i|,  du/de_{i+1} = -(a - cos b)/|e_{i+1}|
-        f = -(w + x * w * w / 12) * kin.turn_slope[i]
-        fp = f * kin.inverse[i]
-        fr = f * kin.inverse[i + 1]
-        for k in range(len(physics.axis)):
-            a, b = tangent[i, k], tangent[i + 1, k]
-            grad.edge[i, k] += fp * (b - cosine * a)
-            grad.edge[i + 1, k] = fr * (a - cosine * b)
-        share = kin.turn[i] * w * w
-        grad.rest[i] += share * (-1 + tp * p2 / 4 - x * w / 6)
-        grad.rest[i + 1] = share * (-1 + tr * r2 / 4 - x * w / 6)
+def fill_bending_gradient(axis, kin, tension, grad):
+    """Set the derivatives of sum C_i phi_i^2 by directions, duals and rest lengths; after ``fill_turns``.
+
+    C depends on x and the dual: dC/dm = -w^2 - x w^3 / 6, dC/dx = w^2 / 12.
+    """
+    n = kin.rest.size - 2
+    w = kin.weight
+    cube, force = grad.by_edge, grad.by_vertex
+    for e in range(n + 2):
+        cube[e] = tension[e] * kin.rest[e] * kin.rest[e] * kin.rest[e]
+    for i in range(n + 1):
+        share = kin.turn[i] * w[i] * w[i]
+        grad.dual[i] = -share * (1 + (cube[i] + cube[i + 1]) * w[i] / 6)
+    for i in range(n + 1):
+        force[i] = kin.turn[i] * w[i] * w[i]
+    for e in range(1, n + 1):
+        grad.rest[e] = 0.25 * tension[e] * kin.rest[e] * kin.rest[e] * (force[e - 1] + force[e])
+    for i in range(n + 1):
+        x = cube[i] + cube[i + 1]
+        force[i] = (w[i] + x * w[i] * w[i] / 12) * kin.turn_slope[i]
+    # u = 1 - t_i . t_{i+1}: du/dt_i is the change at i but for a part along t_i, and so is -du/dt_{i+1}
+    for k in range(len(axis)):
+        for e in range(1, n + 1):
+            grad.direction[k, e] = force[e - 1] * kin.change[k, e - 1] - force[e] * kin.change[k, e]
 
 
 @kernel
 def add_bending_hessian(physics, kin, tension, hess):
     """Add the second derivatives of sum C_i phi_i^2."""
     d = len(physics.axis)
-    tangent = kin.tangent
     for i in range(kin.rest.size - 1):
-        u = vertex_turn(physics.axis, tangent, i)
+        a, b = hess.tangent[i], hess.tangent[i + 1]
+        u = kin.fall[i]
         phi2, slope, curve = squared_angle(u)
         p, r = kin.rest[i], kin.rest[i + 1]
         tp, tr = tension[i], tension[i + 1]
-        w = 1.0 / (p + r)
+        w = kin.weight[i]
         x = tp * p * p * p + tr * r * r * r
         c = w + x * w * w / 12
         cosine = 1 - u
@@ -108,11 +93,11 @@ def add_bending_hessian(physics, kin, tension, hess):
         cp = p * p * p * w * w / 12  # dC/dlambda_p
         cr = r * r * r * w * w / 12
         for k in range(d):
-            a_k, b_k = tangent[i, k], tangent[i + 1, k]
+            a_k, b_k = a[k], b[k]
             up_k = -(b_k - cosine * a_k) * ip  # du/de_i
             ur_k = -(a_k - cosine * b_k) * ir  # du/de_{i+1}
             for m in range(d):
-                a_m, b_m = tangent[i, m], tangent[i + 1, m]
+                a_m, b_m = a[m], b[m]
                 same = 1.0 if k == m else 0.0
                 up_m = -(b_m - cosine * a_m) * ip
                 ur_m = -(a_m - cosine * b_m) * ir
@@ -137,7 +122,7 @@ def add_bending_hessian(physics, kin, tension, hess):
             hess.constraint_menisci[s, i] += share * p * p * (3 * p_s - 2 * p * m_s * w)
             hess.constraint_menisci[s, i + 1] += share * r * r * (3 * r_s - 2 * r * m_s * w)
             for k in range(d):
-                a_k, b_k = tangent[i, k], tangent[i + 1, k]
+                a_k, b_k = a[k], b[k]
                 hess.edge_menisci[s, i, k] -= c_s * slope * (b_k - cosine * a_k) * ip
                 hess.edge_menisci[s, i + 1, k] -= c_s * slope * (a_k - cosine * b_k) * ir
             for v in range(2):

@@ -17,67 +17,62 @@ from derod.core.jit import kernel
 
 
 @kernel
-def difference(axis, kin, e, d):
-    """Fill ``d`` for edge e; return (alpha, beta, sigma = t.s, F)."""
-    alpha = 2.0 * kin.weight[e]
-    beta = 2.0 * kin.weight[e - 1]
-    sigma = 0.0
-    for k in range(len(axis)):
-        d[k] = alpha * kin.tangent[e + 1, k] + beta * kin.tangent[e - 1, k]
-        sigma += kin.tangent[e, k] * d[k]
+def squared_difference(axis, kin, e):
+    """Return F of edge e."""
     square = 0.0
     for k in range(len(axis)):
-        d[k] -= sigma * kin.tangent[e, k]
-        square += d[k] * d[k]
-    return alpha, beta, sigma, square
+        square += kin.difference[k, e] ** 2
+    return square
 
 
 @kernel
-def defect_energy(physics, kin, d):
+def defect_energy(axis, kin):
     """Return E_defect, K0/D; it is part of the bending energy."""
     total = 0.0
     for e in range(1, kin.rest.size - 1):
-        total += kin.rest[e] / 12 * difference(physics.axis, kin, e, d)[3]
+        total += kin.rest[e] / 12 * squared_difference(axis, kin, e)
     return total
 
 
 @kernel
-def add_defect_gradient(physics, kin, d, grad):
-    """Add the derivatives of E_defect by the edges and the rest lengths."""
-    axis = physics.axis
-    for e in range(1, kin.rest.size - 1):
-        alpha, beta, sigma, square = difference(axis, kin, e, d)
-        right, left = 0.0, 0.0  # d.t_+, d.t_-
+def add_defect_gradient(axis, kin, grad):
+    """Add the derivatives of E_defect by directions, duals and rest lengths.
+
+    With d perpendicular to t: dF/dt_+ = 2 alpha d, dF/dt_- = 2 beta d, dF/dt = -2 sigma d, and
+    d.t_+, -d.t_- are d's products with the changes of t.
+    """
+    n = kin.rest.size - 2
+    d, w, rest = kin.difference, kin.weight, kin.rest
+    for k in range(len(axis)):
+        for e in range(1, n + 1):
+            grad.direction[k, e] += (
+                w[e - 1] * rest[e - 1] * d[k, e - 1]
+                + w[e] * rest[e + 1] * d[k, e + 1]
+                - 0.5 * rest[e] * kin.along[e] * d[k, e]
+            ) / 3
+    for i in range(n + 1):
+        turning = 0.0
         for k in range(len(axis)):
-            right += d[k] * kin.tangent[e + 1, k]
-            left += d[k] * kin.tangent[e - 1, k]
-        weight = kin.rest[e] / 6
-        fr = weight * alpha * kin.inverse[e + 1]
-        fl = weight * beta * kin.inverse[e - 1]
-        fo = weight * sigma * kin.inverse[e]
-        for k in range(len(axis)):
-            grad.edge[e + 1, k] += fr * (d[k] - right * kin.tangent[e + 1, k])
-            grad.edge[e - 1, k] += fl * (d[k] - left * kin.tangent[e - 1, k])
-            grad.edge[e, k] -= fo * d[k]
-        pr = -0.5 * weight * alpha * alpha * right  # by l_e + l_{e+1}
-        pl = -0.5 * weight * beta * beta * left
-        grad.rest[e] += square / 12 + pr + pl
-        grad.rest[e + 1] += pr
-        grad.rest[e - 1] += pl
+            turning += kin.change[k, i] * (rest[i + 1] * d[k, i + 1] - rest[i] * d[k, i])
+        grad.by_vertex[i] = turning
+    for i in range(n + 1):
+        grad.dual[i] += w[i] * w[i] * grad.by_vertex[i] / 3
+    for e in range(1, n + 1):
+        grad.rest[e] += squared_difference(axis, kin, e) / 12
 
 
 @kernel
-def add_defect_hessian(physics, kin, d, hess):
+def add_defect_hessian(axis, kin, hess):
     """Add the second derivatives of E_defect.
 
     F is a function of three unit vectors; that an edge's direction is one adds, for a first derivative
     G by the direction u, -((G.u) (1 - u u^T) + G_perp u^T + u G_perp^T)/|e|^2.
     """
-    axis = physics.axis
     n = len(axis)
     for e in range(1, kin.rest.size - 1):
-        alpha, beta, sigma, square = difference(axis, kin, e, d)
-        o, r, l = kin.tangent[e], kin.tangent[e + 1], kin.tangent[e - 1]
+        alpha, beta = 2 * kin.weight[e], 2 * kin.weight[e - 1]
+        d, sigma, square = hess.difference[e], kin.along[e], squared_difference(axis, kin, e)
+        o, r, l = hess.tangent[e], hess.tangent[e + 1], hess.tangent[e - 1]
         io, ir, il = kin.inverse[e], kin.inverse[e + 1], kin.inverse[e - 1]
         right, left, cr, cl, cx = 0.0, 0.0, 0.0, 0.0, 0.0
         for k in range(n):
@@ -161,7 +156,7 @@ def add_defect_hessian(physics, kin, d, hess):
 @kernel
 def add_rest_lengths(kin, e, d, alpha, beta, sigma, square, right, left, cr, cl, cross, hess):
     """Add the second derivatives of (l_e/12) F in which s_A and s_B take part."""
-    o, r, l = kin.tangent[e], kin.tangent[e + 1], kin.tangent[e - 1]
+    o, r, l = hess.tangent[e], hess.tangent[e + 1], hess.tangent[e - 1]
     io, ir, il = kin.inverse[e], kin.inverse[e + 1], kin.inverse[e - 1]
     length = kin.rest[e]
     for s in range(2):

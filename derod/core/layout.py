@@ -10,7 +10,8 @@ Edge form
     Terms that depend on edges are differentiated by edges and turned into node form once, in
     ``assembly``. Edge e runs from node e-1 to node e and its tension is q[e, d], e = 1 ... N. The
     clamps' tangents stand in for the edges 0 and N+1, of rest length 0; vertex i joins the edges i and
-    i+1. Arrays "by edge" have N+2 rows.
+    i+1. Arrays "by edge" have N+2 entries, "by vertex" N+1. What the gradient reads has a row for every
+    component, and its loops fill one array each, so that they run on several edges at once.
 """
 
 from __future__ import annotations
@@ -59,9 +60,13 @@ class Kinematics(NamedTuple):
     curve: np.ndarray  # (2, N+2) second derivatives; the mixed one is zero
     size: np.ndarray  # (N+2,) |e|, D
     inverse: np.ndarray  # (N+2,) 1/|e|
-    tangent: np.ndarray  # (N+2, d) e / |e|
+    tangent: np.ndarray  # (d, N+2) e / |e|
+    change: np.ndarray  # (d, N+1) of the tangent at a vertex
     fall: np.ndarray  # (N+1,) 1 - cos phi of the turning angles
     weight: np.ndarray  # (N+1,) 1 / (l_i + l_{i+1})
+    difference: np.ndarray  # (d, N+2) of the curvatures at an edge's ends
+    along: np.ndarray  # (N+2,) t . (alpha t_+ + beta t_-), see ``defect``
+    normal: np.ndarray  # (d, N+1) t_i x t_{i+1}, in three dimensions
     turn: np.ndarray  # (N+1,) phi^2
     turn_slope: np.ndarray  # (N+1,) d phi^2 / d(1 - cos phi)
     share: np.ndarray  # (N+1,) quadrature weights, of the wetted length; fixed
@@ -72,17 +77,24 @@ class Kinematics(NamedTuple):
 class Gradient(NamedTuple):
     """First derivatives of the Lagrangian, in edge and node form."""
 
-    edge: np.ndarray  # (N+2, d) by e
+    direction: np.ndarray  # (d, N+2) by e/|e|, not yet made perpendicular to it
+    edge: np.ndarray  # (d, N+2) by e
     node: np.ndarray  # (N+1, d) by x_i, what depends on x_i - x_C
     rest: np.ndarray  # (N+2,) by l, which takes it to s_A and s_B
+    dual: np.ndarray  # (N+1,) by l_i + l_{i+1}
     constraint: np.ndarray  # (N+2,) by lambda: the stretch constraint g
+    pull: np.ndarray  # (N+2,) force along the edge
     border: np.ndarray  # (d+5,) by b
-    holonomy: np.ndarray  # (N+2, d) of psi by e
+    holonomy: np.ndarray  # (d, N+2) of psi by e
+    by_edge: np.ndarray  # (N+2,) room
+    by_vertex: np.ndarray  # (N+1,) room
 
 
 class Hessian(NamedTuple):
-    """Second derivatives of the Lagrangian, in edge and node form."""
+    """Second derivatives of the Lagrangian, in edge and node form; they work edge by edge."""
 
+    tangent: np.ndarray  # (N+2, d) the tangents once more, a row an edge
+    difference: np.ndarray  # (N+2, d) and the differences of curvature
     edge: np.ndarray  # (N+2, d, d) by e e
     vertex: np.ndarray  # (N+1, d, d) by e_i e_{i+1}
     skip: np.ndarray  # (N+2, d, d) by e_{i-1} e_{i+1}
@@ -99,28 +111,31 @@ def new_kinematics(mesh: Mesh, physics: Physics) -> Kinematics:
 
     Without a drop the menisci's nodes span an empty range.
     """
-    axis = physics.axis
+    d, n = len(physics.axis), mesh.edges + 2
     node_a, node_b = mesh.outside, mesh.outside + mesh.inside.size
-    n = mesh.edges + 2
-    tangent = np.zeros((n, len(axis)))
-    tangent[0] = tangent[-1] = axis
+    tangent = np.zeros((d, n))
+    tangent[:, 0] = tangent[:, -1] = physics.axis
     share = np.zeros(n - 1)
     if physics.drop:
         share[node_a : node_b + 1] = mesh.quadrature
     return Kinematics(
-        np.zeros(n),
-        np.zeros((2, n)),
-        np.zeros((2, n)),
-        np.ones(n),
-        np.ones(n),
-        tangent,
-        np.zeros(n - 1),
-        np.zeros(n - 1),
-        np.zeros(n - 1),
-        np.zeros(n - 1),
-        share,
-        node_a if physics.drop else 1,
-        node_b if physics.drop else 0,
+        rest=np.zeros(n),
+        slope=np.zeros((2, n)),
+        curve=np.zeros((2, n)),
+        size=np.ones(n),
+        inverse=np.ones(n),
+        tangent=tangent,
+        change=np.zeros((d, n - 1)),
+        fall=np.zeros(n - 1),
+        weight=np.zeros(n - 1),
+        difference=np.zeros((d, n)),
+        along=np.zeros(n),
+        normal=np.zeros((d, n - 1)),
+        turn=np.zeros(n - 1),
+        turn_slope=np.zeros(n - 1),
+        share=share,
+        node_a=node_a if physics.drop else 1,
+        node_b=node_b if physics.drop else 0,
     )
 
 
@@ -128,12 +143,17 @@ def new_gradient(edges: int, d: int) -> Gradient:
     """Return room for a gradient."""
     n = edges + 2
     return Gradient(
-        np.zeros((n, d)),
-        np.zeros((edges + 1, d)),
-        np.zeros(n),
-        np.zeros(n),
-        np.zeros(d + 5),
-        np.zeros((n, d)),
+        direction=np.zeros((d, n)),
+        edge=np.zeros((d, n)),
+        node=np.zeros((edges + 1, d)),
+        rest=np.zeros(n),
+        dual=np.zeros(n - 1),
+        constraint=np.zeros(n),
+        pull=np.zeros(n),
+        border=np.zeros(d + 5),
+        holonomy=np.zeros((d, n)),
+        by_edge=np.zeros(n),
+        by_vertex=np.zeros(n - 1),
     )
 
 
@@ -141,6 +161,8 @@ def new_hessian(edges: int, d: int) -> Hessian:
     """Return room for a Hessian."""
     n = edges + 2
     return Hessian(
+        np.zeros((n, d)),
+        np.zeros((n, d)),
         np.zeros((n, d, d)),
         np.zeros((edges + 1, d, d)),
         np.zeros((n, d, d)),

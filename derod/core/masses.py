@@ -76,7 +76,7 @@ def fill_carried(kin, carried):
     for i in range(1, carried.shape[0] - 1):
         place += kin.slope[1, i] - kin.slope[0, i]
         for k in range(carried.shape[1]):
-            carried[i, k] = 0.5 * place * (kin.tangent[i, k] + kin.tangent[i + 1, k])
+            carried[i, k] = 0.5 * place * (kin.tangent[k, i] + kin.tangent[k, i + 1])
 
 
 @kernel

@@ -232,7 +232,7 @@ def clamp_column(physics, room, x, y):
     for s in range(2):
         y[s] = hess.edge_menisci[s, n, z]
     if d == 3:
-        y[8] = room.grad.holonomy[n, z]
+        y[8] = room.grad.holonomy[z, n]
 
 
 @kernel

@@ -17,12 +17,12 @@ def add_stretch(kin, grad):
 
 
 @kernel
-def add_stretch_gradient(physics, kin, tension, grad):
-    """Add lambda e / l by the edges, and by the rest lengths."""
+def add_stretch_gradient(kin, tension, grad):
+    """Set the pull lambda |e| / l along the edges; add the derivatives by the rest lengths."""
+    for e in range(1, kin.rest.size - 1):
+        grad.pull[e] = tension[e] * kin.size[e] / kin.rest[e]
     for e in range(1, kin.rest.size - 1):
         ratio = kin.size[e] / kin.rest[e]
-        for k in range(len(physics.axis)):
-            grad.edge[e, k] += tension[e] * ratio * kin.tangent[e, k]
         grad.rest[e] -= 0.5 * tension[e] * (ratio * ratio + 1)
 
 
@@ -35,13 +35,13 @@ def add_stretch_hessian(physics, kin, tension, hess):
         stiffness = tension[e] / kin.rest[e]
         for k in range(d):
             hess.edge[e, k, k] += stiffness
-            hess.constraint[e, 1, k] += ratio * kin.tangent[e, k]
+            hess.constraint[e, 1, k] += ratio * kin.tangent[k, e]
         for s in range(2):
             l_s = kin.slope[s, e]
             if l_s == 0.0:
                 continue
             hess.constraint_menisci[s, e] -= 0.5 * (ratio * ratio + 1) * l_s
             for k in range(d):
-                hess.edge_menisci[s, e, k] -= stiffness * ratio * kin.tangent[e, k] * l_s
+                hess.edge_menisci[s, e, k] -= stiffness * ratio * kin.tangent[k, e] * l_s
             for v in range(2):
                 hess.border[s, v] += stiffness * ratio * ratio * l_s * kin.slope[v, e]

@@ -20,72 +20,77 @@ from __future__ import annotations
 
 import math
 
-from derod.core.bending import vertex_turn
 from derod.core.jit import kernel
 
 
 @kernel
-def cross(tangent, i):
-    """Return a x b of the tangents that meet at vertex i."""
-    a0, a1, a2 = tangent[i, 0], tangent[i, 1], tangent[i, 2]
-    b0, b1, b2 = tangent[i + 1, 0], tangent[i + 1, 1], tangent[i + 1, 2]
-    return a1 * b2 - a2 * b1, a2 * b0 - a0 * b2, a0 * b1 - a1 * b0
+def fill_normals(kin):
+    """Fill the cross products a x b of the tangents that meet at each vertex."""
+    for k in range(3):
+        k1, k2 = (k + 1) % 3, (k + 2) % 3
+        a1, a2, normal = kin.tangent[k1], kin.tangent[k2], kin.normal[k]
+        for i in range(kin.fall.size):
+            normal[i] = a1[i] * a2[i + 1] - a2[i] * a1[i + 1]
 
 
 @kernel
-def holonomy(physics, kin, remembered, grad):
+def holonomy(kin, remembered, grad):
     """Return psi on the branch nearest to ``remembered``, radians; fill grad(psi) by the edges.
 
-    After ``fill_turns``. Three dimensions only.
+    Three dimensions only.
     """
+    fill_normals(kin)
     w, x, y, z = 1.0, 0.0, 0.0, 0.0
-    slope = grad.holonomy
-    slope[0] = 0.0
-    for i in range(kin.rest.size - 1):
-        px, py, pz = cross(kin.tangent, i)
-        pw = 2 - kin.fall[i]  # 1 + a.b
-        inverse = 1.0 / pw
-        left, right = inverse * kin.inverse[i], inverse * kin.inverse[i + 1]
-        slope[i, 0] -= px * left
-        slope[i, 1] -= py * left
-        slope[i, 2] -= pz * left
-        slope[i + 1, 0] = -px * right
-        slope[i + 1, 1] = -py * right
-        slope[i + 1, 2] = -pz * right
-        px, py, pz, pw = 0.5 * px, 0.5 * py, 0.5 * pz, 0.5 * pw
+    missed = 0.0
+    t, normal = kin.tangent, kin.normal
+    for i in range(kin.fall.size):
+        px, py, pz = 0.5 * normal[0, i], 0.5 * normal[1, i], 0.5 * normal[2, i]
+        pw = 1 - 0.5 * kin.fall[i]  # (1 + a.b) / 2
         w, x, y, z = (
             pw * w - px * x - py * y - pz * z,
             pw * x + px * w + py * z - pz * y,
             pw * y - px * z + py * w + pz * x,
             pw * z + px * y - py * x + pz * w,
         )
-    missed = 0.0
-    for e in range(1, kin.rest.size - 1):
-        missed += corner_area(kin, e, slope)
-    psi = 2 * math.atan2(z, w) + missed
+        if i > 0:  # the corner of edge i
+            missed += t[0, i - 1] * px + t[1, i - 1] * py + t[2, i - 1] * pz
+    fill_holonomy_gradient(kin, grad)
+    psi = 2 * math.atan2(z, w) + 0.25 * missed
     turn = 4 * math.pi
     return psi + turn * math.floor((remembered - psi) / turn + 0.5)
 
 
 @kernel
-def corner_area(kin, e, slope):
-    """Return (1/8) t_- . (t x t_+) of edge e, and add its gradient to ``slope``."""
-    l0, l1, l2 = kin.tangent[e - 1, 0], kin.tangent[e - 1, 1], kin.tangent[e - 1, 2]
-    o0, o1, o2 = kin.tangent[e, 0], kin.tangent[e, 1], kin.tangent[e, 2]
-    r0, r1, r2 = kin.tangent[e + 1, 0], kin.tangent[e + 1, 1], kin.tangent[e + 1, 2]
-    x0, x1, x2 = o1 * r2 - o2 * r1, o2 * r0 - o0 * r2, o0 * r1 - o1 * r0
-    area = l0 * x0 + l1 * x1 + l2 * x2
-    il, io, ir = 0.125 * kin.inverse[e - 1], 0.125 * kin.inverse[e], 0.125 * kin.inverse[e + 1]
-    slope[e - 1, 0] += il * (x0 - area * l0)
-    slope[e - 1, 1] += il * (x1 - area * l1)
-    slope[e - 1, 2] += il * (x2 - area * l2)
-    slope[e, 0] += io * (r1 * l2 - r2 * l1 - area * o0)
-    slope[e, 1] += io * (r2 * l0 - r0 * l2 - area * o1)
-    slope[e, 2] += io * (r0 * l1 - r1 * l0 - area * o2)
-    slope[e + 1, 0] += ir * (l1 * o2 - l2 * o1 - area * r0)
-    slope[e + 1, 1] += ir * (l2 * o0 - l0 * o2 - area * r1)
-    slope[e + 1, 2] += ir * (l0 * o1 - l1 * o0 - area * r2)
-    return 0.125 * area
+def fill_holonomy_gradient(kin, grad):
+    """Fill grad(psi): of the polygon, -(kb)/2 of both vertices, and of the corners' triple products.
+
+    By its three directions the corner of edge e has t x t_+, t_+ x t_-, t_- x t over 8; the clamps'
+    tangents do not move, and have no corners.
+    """
+    n = kin.rest.size - 2
+    t, normal, weight = kin.tangent, kin.normal, grad.by_vertex
+    for i in range(n + 1):
+        weight[i] = 1.0 / (2 - kin.fall[i])
+    for k in range(3):
+        k1, k2 = (k + 1) % 3, (k + 2) % 3
+        slope, own, t1, t2 = grad.holonomy[k], normal[k], t[k1], t[k2]
+        for e in range(1, n + 1):
+            slope[e] = -weight[e - 1] * own[e - 1] - weight[e] * own[e]
+        for e in range(1, n + 1):
+            slope[e] += 0.125 * (t1[e + 1] * t2[e - 1] - t2[e + 1] * t1[e - 1])
+        for e in range(1, n):
+            slope[e] += 0.125 * own[e + 1]
+        for e in range(1, n):
+            slope[e + 1] += 0.125 * own[e - 1]
+    for e in range(1, n + 1):
+        dot = 0.0
+        for k in range(3):
+            dot += t[k, e] * grad.holonomy[k, e]
+        grad.by_edge[e] = dot
+    for k in range(3):
+        for e in range(1, n + 1):
+            slope = grad.holonomy[k, e] - grad.by_edge[e] * t[k, e]
+            grad.holonomy[k, e] = kin.inverse[e] * slope
 
 
 @kernel
@@ -104,24 +109,24 @@ def twisting_moment(physics, end_rotation, psi):
 @kernel
 def add_twist_gradient(kin, moment, grad):
     """Add -m_3 grad(psi) by the edges; ``holonomy`` has filled grad(psi)."""
-    for e in range(1, kin.rest.size - 1):
-        for k in range(3):
-            grad.edge[e, k] -= moment * grad.holonomy[e, k]
+    for k in range(3):
+        for e in range(1, kin.rest.size - 1):
+            grad.edge[k, e] -= moment * grad.holonomy[k, e]
 
 
 @kernel
-def add_twist_hessian(physics, kin, moment, hess):
+def add_twist_hessian(kin, moment, hess):
     """Add -m_3 times the second derivatives of psi; k3/l grad psi grad psi is a border row.
 
     By one edge twice, the vertices' parts have antisymmetric halves that cancel in the sum: they are
     left out.
     """
     for i in range(kin.rest.size - 1):
-        u = vertex_turn(physics.axis, kin.tangent, i)
-        cosine = 1 - u
-        inverse = 1.0 / (2 - u)
-        normal = cross(kin.tangent, i)  # a x b, of which the binormal is ``inverse`` times
-        a, b = kin.tangent[i], kin.tangent[i + 1]
+        cosine = 1 - kin.fall[i]
+        inverse = 1.0 / (2 - kin.fall[i])
+        # a x b, of which the binormal is ``inverse`` times
+        normal = kin.normal[0, i], kin.normal[1, i], kin.normal[2, i]
+        a, b = hess.tangent[i], hess.tangent[i + 1]
         ip, ir = kin.inverse[i], kin.inverse[i + 1]
         add_own_edge(normal, a, b, cosine, inverse, 0.5 * moment * ip * ip, hess.edge[i])
         add_own_edge(normal, b, a, cosine, inverse, 0.5 * moment * ir * ir, hess.edge[i + 1])
@@ -143,7 +148,7 @@ def add_twist_hessian(physics, kin, moment, hess):
 @kernel
 def add_corner_hessian(kin, e, weight, hess):
     """Add ``weight`` times the second derivatives of t_- . (t x t_+) by the edges."""
-    l, o, r = kin.tangent[e - 1], kin.tangent[e], kin.tangent[e + 1]
+    l, o, r = hess.tangent[e - 1], hess.tangent[e], hess.tangent[e + 1]
     il, io, ir = kin.inverse[e - 1], kin.inverse[e], kin.inverse[e + 1]
     area = 0.0
     for k in range(3):
