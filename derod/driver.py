@@ -146,7 +146,7 @@ class Push:
         guess = predict(self.system, self.state, self.here, self.before, target)
         solution = self.relax(guess)
         if not solution.converged:
-            self.retry(length, SHRINK, solution)
+            self.retry(length, solution)
             return None
         d = self.system.dimension
         away = abs(solution.state.q[:, :d] - guess.q[:, :d]).max()
@@ -177,9 +177,9 @@ class Push:
 
         return relax(self.relaxer, self.system, start, watch=watch, descend=descend)
 
-    def retry(self, length: float, factor: float, solution: Solution) -> None:
+    def retry(self, length: float, solution: Solution) -> None:
         """Shorten the step after an increment that did not converge, or give up."""
-        self.step = factor * length
+        self.step = SHRINK * length
         delta = self.state.end_shortening
         if self.step < LEAST_STEP * self.max_step:
             if self.system.outer_length(self.state) < 10 * OUTER_LEAST:
@@ -271,7 +271,8 @@ class Push:
         previous = getattr(self, "state", None)
         frame = self.record(increment, landing=landing) if self.recording else None
         self.state = increment.state if frame is None else decode(self.system, frame)
-        self.here = self.system.analyse(self.state)
+        unchanged = self.state.equals(increment.state)  # always, where K = K0
+        self.here = increment.here if unchanged else self.system.analyse(self.state)
         self.before = previous if increment.smooth else None
         if self.system.outer_length(self.state) < OUTER_LEAST:
             raise Stuck(

@@ -54,6 +54,14 @@ class State:
         """Return a copy of the tensions, (N,), K0/D^2."""
         return self.q[1:, self.dimension].copy()
 
+    def equals(self, other: State) -> bool:
+        """Return whether the other state is the same to the last bit."""
+        return (
+            np.array_equal(self.q, other.q)
+            and np.array_equal(self.b, other.b)
+            and (self.holonomy, self.end_shortening) == (other.holonomy, other.end_shortening)
+        )
+
     def copy(self) -> State:
         """Return a state that shares nothing with this one."""
         return State(self.q.copy(), self.b.copy(), self.holonomy, self.end_shortening)
