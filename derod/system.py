@@ -69,7 +69,7 @@ class System:
             float(scene.rod.length),
             drop is not None,
         )
-        self.mesh = wetted_mesh(self.edges) if drop else dry_mesh(self.edges)
+        self.mesh = wetted_mesh(scene.mesh) if drop else dry_mesh(self.edges)
         self.room = assembly.new_room(self.mesh, self.physics)
         linear = self.room.linear
         rows, stride = linear.band.shape

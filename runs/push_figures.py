@@ -15,7 +15,6 @@ import os
 for name in ("OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS", "OMP_NUM_THREADS"):
     os.environ.setdefault(name, "1")
 
-import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
@@ -25,8 +24,8 @@ import derod
 
 # isort: split
 import numpy as np
-from scipy.optimize import brentq
-from scipy.special import ellipe, ellipk
+from bench.branches import branches_of
+from bench.elastica import elastica_errors, elastica_scene
 
 from derod.branches.compare import compare
 from derod.branches.record import open_branches
@@ -36,35 +35,8 @@ from derod.relax import make_relaxer, relax
 from derod.system import System
 
 HERE = Path(__file__).parent
-OUT = HERE / "out"
 MESHES = (100, 200, 400)
 REPEATS = 5
-
-ELASTICA = """
-[rod]
-length = 1
-bending = 1
-twisting = 1
-[push]
-start = 0.2
-stop = 0.3
-[mesh]
-edges = {edges}
-[model]
-dimension = 2
-drop = false
-"""
-
-
-def branches_of(scene: str) -> Path:
-    """Return the branch file of a scene, computed if it is not there."""
-    path = OUT / f"{scene}-branches.h5"
-    if not path.exists():
-        OUT.mkdir(exist_ok=True)
-        command = [sys.executable, "-m", "derod", "branch", str(HERE / f"{scene}.toml")]
-        paths = ["--paths", "Ax,3D,L2,3D-L2", "--no-stability", "--quiet"]
-        subprocess.run([*command, "-o", str(path), *paths], check=True)
-    return path
 
 
 def planarity(run: BaseRun) -> np.ndarray:
@@ -121,17 +93,12 @@ def step() -> Iterator[str]:
 
 def elastica() -> Iterator[str]:
     """The clamped-clamped elastica at an end shortening of 0.2 L."""
-    m = brentq(lambda m: 2 * (1 - ellipe(m) / ellipk(m)) - 0.2, 1e-9, 0.9)
-    exact = np.array([16 * ellipk(m) ** 2, np.sqrt(m) / ellipk(m)])
-    errors = []
+    before = None
     for edges in (50, 100, 200):
-        system = System(derod.parse_scene(ELASTICA.format(edges=edges)))
-        solution = relax(make_relaxer("implicit"), system, bent_guess(system, 0.2))
-        system.gradient(solution.state)
-        height = abs(solution.state.positions[:, 1]).max()
-        errors.append(np.abs(np.array([-system.end_tension(), height]) / exact - 1))
-        rate = f", rates {np.log2(errors[-2] / errors[-1]).round(2)}" if len(errors) > 1 else ""
-        yield f"elastica, {edges} edges: errors of load, mid-height {errors[-1]}{rate}"
+        errors = np.array(list(elastica_errors(derod.push(elastica_scene(edges))).values()))
+        rate = "" if before is None else f", rates {np.log2(before / errors).round(2)}"
+        yield f"elastica, {edges} edges: errors of load, mid-height {errors}{rate}"
+        before = errors
 
 
 ROWS: dict[str, Callable[[], Iterator[str]]] = {

@@ -66,6 +66,12 @@ class Mesh(Table, frozen=True, kw_only=True):
 
     edges: int = 200
     """N; there are N + 1 nodes."""
+    wetted_share: float = 0.65
+    """Share of the edges inside the drop; the rest is halved between the ends."""
+    layer: float = 0.12
+    """D, over which the outer edges stay short beside a meniscus."""
+    inner_grading: float = 0.9
+    """Logarithm of the longest inner edge, in the drop's middle, over the shortest."""
 
 
 class Relax(Table, frozen=True, kw_only=True):
