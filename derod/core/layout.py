@@ -70,6 +70,7 @@ class Kinematics(NamedTuple):
     turn: np.ndarray  # (N+1,) phi^2
     turn_slope: np.ndarray  # (N+1,) d phi^2 / d(1 - cos phi)
     share: np.ndarray  # (N+1,) quadrature weights, of the wetted length; fixed
+    barrier: np.ndarray  # (N+1,) the wall's stiffness against moving a node outward, K0/D^3
     node_a: int  # the menisci's nodes
     node_b: int
 
@@ -134,6 +135,7 @@ def new_kinematics(mesh: Mesh, physics: Physics) -> Kinematics:
         turn=np.zeros(n - 1),
         turn_slope=np.zeros(n - 1),
         share=share,
+        barrier=np.zeros(n - 1),
         node_a=node_a if physics.drop else 1,
         node_b=node_b if physics.drop else 0,
     )

@@ -72,9 +72,11 @@ def add_wall_gradient(physics, kin, q, b, grad):
     twice = 2 * (b[S_B] - b[S_A])
     mean = 0.0
     for i in range(kin.node_a, kin.node_b + 1):
-        v, v_w, _ = wall(physics, squared_distance(physics, q, b, i))
+        r2 = squared_distance(physics, q, b, i)
+        v, v_w, v_ww = wall(physics, r2)
         mean += kin.share[i] * v
         push = twice * kin.share[i] * v_w
+        kin.barrier[i] = push + 2 * twice * kin.share[i] * v_ww * r2
         for k in range(len(physics.axis)):
             grad.node[i, k] += push * (q[i, k] - b[X_C + k])
     grad.border[S_A] -= mean
