@@ -7,8 +7,18 @@ import os
 from collections.abc import Sequence
 
 from derod.errors import RecordError, SceneError
+from derod.extrapolate import coarser
+from derod.extrapolate import extrapolate as extrapolate_runs
 from derod.frames import Ending, Event, Frame, Observer, Outcome
-from derod.record import BaseRun, MemoryRun, Run, RunWriter, open_run, resume_copy
+from derod.record import (
+    BaseRun,
+    MemoryRun,
+    Run,
+    RunWriter,
+    attach_extrapolated,
+    open_run,
+    resume_copy,
+)
 from derod.scene import Scene
 from derod.scene.reading import build_scene, plain_tables
 
@@ -20,6 +30,7 @@ def push(
     *,
     resume: str | os.PathLike[str] | None = None,
     overwrite: bool = False,
+    extrapolate: bool = False,
 ) -> BaseRun:
     """Push the rod of ``scene`` and return the run, open for reading.
 
@@ -28,9 +39,19 @@ def push(
     place, with a run file that was killed, interrupted or finished; ``scene`` may then be None, or
     the same rod pushed further.
 
+    With ``extrapolate`` the push is done once more on half the edges, landing on every row of the first,
+    and ``run.extrapolated`` holds better values and estimated errors (``derod.extrapolate``).
+
     However the push ends, also by Ctrl-C, the run says so in ``run.ending``. Raises SceneError for
     a scene that is not allowed and RecordError when the file cannot be written or read.
     """
+    if extrapolate:
+        if scene is not None:
+            scene.replace(
+                {"mesh.edges": scene.mesh.edges // 2}
+            )  # refused now rather than afterwards
+        run = push(scene, path, observers, resume=resume, overwrite=overwrite)
+        return _extrapolated(run)
     if resume is not None:
         if path is not None:
             raise RecordError(f"{os.fspath(path)}: a resumed run goes on in its own file")
@@ -56,6 +77,21 @@ def _resume(
             return open_run(path)
         check_continues(old, scene)
         _drive(scene, [resume_copy(path, scene), *observers], old if len(old) else None)
+    return open_run(path)
+
+
+def _extrapolated(run: BaseRun) -> BaseRun:
+    """Push on half the edges and keep the extrapolated rows with ``run``, if it has any rows."""
+    if run.outcome in (None, Outcome.INTERRUPTED) or not len(run):
+        return run
+    coarse = push(coarser(run))
+    table = extrapolate_runs(coarse, run)
+    if isinstance(run, MemoryRun):
+        run.keep_extrapolated(table)
+        return run
+    path = str(run.path)
+    run.close()
+    attach_extrapolated(path, table)
     return open_run(path)
 
 

@@ -87,6 +87,11 @@ def _add_push(commands: Any) -> None:
         metavar="X",
         help="end-shortening to stop at, e.g. '2.8 pi', or turning points '2 pi, 1 pi'",
     )
+    parser.add_argument(
+        "--extrapolate",
+        action="store_true",
+        help="push once more on half the edges: better values, and estimated errors",
+    )
     parser.add_argument("--quiet", action="store_true", help="show nothing but errors")
     for module in PUSH_WATCHERS:
         import_module(module).add_push_options(parser)

@@ -43,6 +43,7 @@ def push(args: argparse.Namespace) -> int:
             observers,
             resume=args.resume,
             overwrite=args.force,
+            extrapolate=args.extrapolate,
         )
     with run:
         ending, count = run.ending, len(run)

@@ -37,6 +37,19 @@ def summary_lines(run: BaseRun) -> Iterator[str]:
     yield from landing_lines(run.table)
     yield from event_lines(run)
     yield from range_lines(run.table)
+    if run.extrapolated is not None:
+        yield from error_lines(run.extrapolated)
+
+
+def error_lines(rows: np.ndarray) -> Iterator[str]:
+    """The largest estimated errors of an extrapolated run, relative."""
+    known = rows[np.isfinite(rows["end_tension"])]
+    yield f"estimated errors, from half the edges ({len(known)} of {len(rows)} rows)"
+    for name in ("end_tension", "energy_hat", "wetted_length") if len(known) else ():
+        error = known[f"{name}_error"] / np.maximum(np.abs(known[name]), 1.0)
+        worst = int(np.argmax(error))
+        place = known["end_shortening"][worst] / math.pi
+        yield f"  {name:15} {error[worst]:9.1e}  at {place:.4f} pi"
 
 
 def outcome_line(run: BaseRun) -> str:

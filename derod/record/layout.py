@@ -36,6 +36,7 @@ DROP = "particles/drop/position"
 TABLE = "observables/push"
 ELEMENTS = (POSITION, ARC_LENGTH, EDGE_TENSION, DROP, TABLE)
 EVENTS = "events"
+EXTRAPOLATED = "extrapolated"  # only in runs that were extrapolated, added when they had ended
 ENDING = "ending"
 COMMITTED = "committed"
 

@@ -30,6 +30,7 @@ class MemoryRun(BaseRun):
         self._ending: Ending | None = None
         self._scene: Scene | None = None
         self._table: np.ndarray | None = None
+        self._extrapolated: np.ndarray | None = None
 
     @property
     def scene(self) -> Scene:
@@ -55,6 +56,15 @@ class MemoryRun(BaseRun):
     def ending(self) -> Ending | None:
         """How the push ended, or None."""
         return self._ending
+
+    @property
+    def extrapolated(self) -> np.ndarray | None:
+        """The rows of ``derod.extrapolate``, or None."""
+        return self._extrapolated
+
+    def keep_extrapolated(self, table: np.ndarray) -> None:
+        """Keep the rows of ``derod.extrapolate``."""
+        self._extrapolated = table
 
     def __len__(self) -> int:
         return len(self._frames)

@@ -57,6 +57,13 @@ class Run(BaseRun):
         return self._table
 
     @property
+    def extrapolated(self) -> np.ndarray | None:
+        """The rows of ``derod.extrapolate``, or None where the push was not extrapolated."""
+        if layout.EXTRAPOLATED not in self._file:
+            return None
+        return self._read(layout.EXTRAPOLATED, slice(None))
+
+    @property
     def events(self) -> tuple[Event, ...]:
         """What happened between the frames."""
         stored = self._read(layout.EVENTS, slice(self._events))

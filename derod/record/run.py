@@ -41,6 +41,11 @@ class BaseRun(ABC):
     def ending(self) -> Ending | None:
         """How the push ended; None while it goes on, and for good if it was killed."""
 
+    @property
+    @abstractmethod
+    def extrapolated(self) -> np.ndarray | None:
+        """The rows of ``derod.extrapolate`` kept with the run; None where it was not extrapolated."""
+
     @abstractmethod
     def field(self, name: str, i: int) -> np.ndarray:
         """The array of increment ``i`` (not negative) that the layout calls ``name``."""

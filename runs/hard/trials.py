@@ -71,7 +71,7 @@ def tangle(system: System, seed: int) -> State:
 
 
 def tangled_starts() -> Trial:
-    """Every tangle must end in a minimum, or say why not; never in a state that is called settled and is not."""
+    """Every tangle must end in a minimum, or say why not; none may be called settled that is not."""
     system = System(paper({"mesh.edges": 100}))
     ends: Counter[str] = Counter()
     wrong = 0
