@@ -16,20 +16,18 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from bench.stepping import disturbed, explicit_step
 
 import derod
 from derod.driver import frame_of
 from derod.encode import decode
 from derod.relax import make_relaxer, relax
-from derod.relax.explicit import Explicit
 from derod.state import State
 from derod.system import System
 
 SCENE = Path(__file__).with_name("paper-text.toml")
 STOPS = (0.1, 0.5, 1.0, 2.1)  # pi
 METHODS = ("fire", "kinetic")
-DISTURBANCE = 1e-3  # D
-BATCHES = 40
 
 
 class Row(NamedTuple):
@@ -57,17 +55,6 @@ def implicit_states(edges: int, stops: tuple[float, ...]) -> tuple[System, list[
     return system, [
         min(states, key=lambda state: abs(state.end_shortening - at)) for at in landings
     ]
-
-
-def disturbed(state: State) -> State:
-    """Return a copy with its free nodes moved smoothly in all directions."""
-    rng = np.random.default_rng(0)
-    place = np.linspace(0, np.pi, state.q.shape[0])[1:-1]
-    moved = state.copy()
-    for wave in range(1, 6):
-        shift = np.outer(np.sin(wave * place), rng.normal(size=state.dimension))
-        moved.q[1:-1, : state.dimension] += DISTURBANCE / wave * shift
-    return moved
 
 
 def energy_and_tension(system: System, state: State) -> tuple[float, float]:
@@ -101,16 +88,7 @@ def agreement(edges: int) -> Iterator[Row]:
 def time_per_step(edges: int, method: str) -> float:
     """Return the best time per step, seconds, over batches of the hot loop."""
     system, (state,) = implicit_states(edges, (0.5,))
-    relaxer = make_relaxer(method)
-    assert isinstance(relaxer, Explicit)
-    relaxer.begin(system, disturbed(state), 0.0, descend=False)
-    best = np.inf
-    for _ in range(BATCHES):
-        relaxer.fill_masses()
-        clock = time.perf_counter()
-        report = relaxer.take_steps()
-        best = min(best, (time.perf_counter() - clock) / report.iterations)
-    return float(best)
+    return explicit_step(system, state, method)
 
 
 def main() -> None:
