@@ -42,19 +42,22 @@ def test_the_drop_given_to_peers_pushes_with_the_gradient_of_its_energy() -> Non
         assert pull[k] == pytest.approx(-slope, abs=1e-6)
 
 
-def test_that_energy_is_smooth_as_a_meniscus_passes_a_node() -> None:
+def test_no_force_jumps_as_a_meniscus_passes_a_node() -> None:
+    """The drop slides over two edges: ten times finer steps, ten times smaller changes."""
     forcing = importlib.import_module("bench.forcing")
     n, h = 61, 0.05
     s = (np.arange(n) - 0.5) * h
     x = np.array([0.05 * np.sin(3 * s), np.zeros(n), s])
-    pulls = []
-    for z in np.linspace(1.4, 1.4 + 2 * h, 401):  # the drop slides over two edges
-        pull = np.zeros(3)
-        place = np.array([0.0, 0.0, z])
-        forcing.drop_forces(x, place, h, 2e-2, 0.1, 20.0, np.zeros(n), np.zeros((3, n)), pull)
-        pulls.append(pull[2])
-    jumps = np.abs(np.diff(pulls))
-    assert jumps.max() < 20 * np.median(jumps) + 1e-6
+
+    def largest_change(steps: int) -> float:
+        pulls = []
+        for z in np.linspace(1.4, 1.4 + 2 * h, steps):
+            pull, place = np.zeros(3), np.array([0.0, 0.0, z])
+            forcing.drop_forces(x, place, h, 2e-2, 0.1, 20.0, np.zeros(n), np.zeros((3, n)), pull)
+            pulls.append(pull[2])
+        return float(np.abs(np.diff(pulls)).max())
+
+    assert largest_change(2001) < 0.2 * largest_change(201)
 
 
 def test_the_elastica_of_the_literature() -> None:
