@@ -102,31 +102,41 @@ def test_the_same_seed_gives_the_same_numbers(run: BaseRun) -> None:
             np.testing.assert_array_equal(again.table[name], run.table[name])
 
 
-@pytest.mark.parametrize("pause", ['"0.2 pi"', '"0.31 pi"'])
-def test_resumed_bit_for_bit(run: BaseRun, tmp_path: Path, pause: str) -> None:
-    """A run cut off after some frames, then resumed, gives the table of one that never stopped."""
+class Stopper:
+    """An observer that interrupts the push after a frame beyond ``cut``."""
+
+    def __init__(self, cut: float) -> None:
+        self.cut = cut
+
+    def start(self, *_: object) -> None: ...
+    def event(self, *_: object) -> None: ...
+    def finish(self, *_: object) -> None: ...
+    def frame(self, frame: object) -> None:
+        if frame.row["end_shortening"] > self.cut:
+            raise KeyboardInterrupt
+
+
+@pytest.mark.parametrize(
+    ("start", "cut"), [("0.001 pi", 0.2), ("0.001 pi", 0.31), ("0.3 pi", 0.33), ("0.3 pi", 0.0)]
+)
+def test_resumed_bit_for_bit(tmp_path: Path, start: str, cut: float) -> None:
+    """A run cut off after some frames, then resumed, gives the table of one that never stopped.
+
+    One that starts at 0.3 pi is led in from nearly nothing, unrecorded; cut at its first row, too.
+    """
     path = tmp_path / "run.h5"
-    scene = coil(stop='"0.4 pi"', at='["0.1 pi", "0.25 pi"]')
-    cut = float(pause.strip('"').split()[0]) * np.pi
-
-    class Stopper:
-        def start(self, *_: object) -> None: ...
-        def event(self, *_: object) -> None: ...
-        def finish(self, *_: object) -> None: ...
-        def frame(self, frame: object) -> None:
-            if frame.row["end_shortening"] > cut:
-                raise KeyboardInterrupt
-
-    interrupted = derod.push(scene, path, [Stopper()])
+    scene = coil(stop='"0.4 pi"').replace({"push.start": start})
+    whole = derod.push(scene)
+    interrupted = derod.push(scene, path, [Stopper(cut * np.pi)])
     assert interrupted.ending is not None
     assert interrupted.ending.outcome is Outcome.INTERRUPTED
-    assert len(interrupted) < len(run)
+    assert len(interrupted) < len(whole)
     interrupted.close()
     resumed = derod.push(None, resume=path)
-    for name in run.table.dtype.names:
+    for name in whole.table.dtype.names:
         if name != "wall_time":
-            np.testing.assert_array_equal(resumed.table[name], run.table[name])
-    np.testing.assert_array_equal(resumed.positions(-1), run.positions(-1))
+            np.testing.assert_array_equal(resumed.table[name], whole.table[name])
+    np.testing.assert_array_equal(resumed.positions(-1), whole.positions(-1))
 
 
 @pytest.mark.parametrize("unit", [1e-6, 1e6])
