@@ -63,7 +63,7 @@ def own_row(problem: str, edges: int, wall: float, cpu: float, run, errors) -> R
 
 def elastica() -> Iterator[Row]:
     """The clamped-clamped elastica at an end shortening of 0.2 L."""
-    from bench.pyelastica import Problem, Settings, solve
+    from bench.pyelastica import COMPILE, Problem, Settings, solve
 
     for edges in (25, 50, 100):
         scene = elastica_scene(edges)
@@ -72,6 +72,7 @@ def elastica() -> Iterator[Row]:
         yield own_row("elastica", edges, wall, cpu, run, elastica_errors(run))
     load, height = exact_elastica()
     problem = Problem(1.0, 1.0, 0.2, planar=True, courant=0.5)
+    solve(problem, COMPILE)
     for elements, rise, hold in ((25, 0.5, 2.0), (50, 0.5, 2.0), (100, 0.5, 2.0)):
         settings = Settings(elements, rise, hold, 10.0)
         answer, wall, cpu = timed(lambda s=settings: solve(problem, s))
@@ -84,7 +85,7 @@ def elastica() -> Iterator[Row]:
 
 def drop() -> Iterator[Row]:
     """The paper's rod in its drop, at 0.5 pi."""
-    from bench.pyelastica import Problem, Settings, solve
+    from bench.pyelastica import COMPILE, Problem, Settings, solve
 
     exact = derod.push(drop_scene(800)).table[-1]
     problem_name = "paper-text to 0.5 pi"
@@ -103,6 +104,7 @@ def drop() -> Iterator[Row]:
         scene.drop.wall_strength, scene.drop.wall_softness, scene.drop.capillary_force,
     )  # fmt: skip
     problem = Problem(scene.rod.length, scene.rod.twisting, SHORTENING, parameters)
+    solve(problem, COMPILE)
     for elements, rise, hold in (
         (100, 6, 6),
         (100, 15, 15),

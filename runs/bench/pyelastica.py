@@ -33,6 +33,9 @@ class Settings(NamedTuple):
     damping: float  # 1/time
 
 
+COMPILE = Settings(25, 1e-3, 0.0, 1.0)  # a few steps, so that no compilation is timed
+
+
 class Problem(NamedTuple):
     """A rod of bending stiffness 1, pushed to ``shortening``."""
 
