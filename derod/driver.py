@@ -21,8 +21,9 @@ from derod.guess import bent_guess
 from derod.predict import predict
 from derod.relax import Report, Solution, make_relaxer, relax
 from derod.scene import Scene
+from derod.stability import Equilibrium, analyse, lowest_mode
 from derod.state import State
-from derod.system import Equilibrium, System
+from derod.system import System
 
 if TYPE_CHECKING:
     from derod.record import Run
@@ -103,7 +104,7 @@ class Push:
         self.state = decode(self.system, frames[-1])
         if row["smooth"] and len(frames) == 2:
             self.before = decode(self.system, frames[0])
-        self.here = self.system.analyse(self.state)
+        self.here = analyse(self.system, self.state)
         self.step = float(row["next_step"])
         self.segment = int(row["segment"])
         self.count = len(run)
@@ -212,7 +213,7 @@ class Push:
 
     def settle_down(self, solution: Solution, *, smooth: bool) -> Increment:
         """Count the unstable modes; where there are any, kick and descend until there are none."""
-        state, here = solution.state, self.system.analyse(solution.state)
+        state, here = solution.state, analyse(self.system, solution.state)
         iterations, residual = solution.iterations, solution.residual
         amplitude = self.scene.noise.amplitude
         if here.unstable_modes == 0 or amplitude == 0:
@@ -226,7 +227,7 @@ class Push:
             iterations += solution.iterations
             if not solution.converged:
                 continue
-            here = self.system.analyse(solution.state)
+            here = analyse(self.system, solution.state)
             if here.unstable_modes == 0:
                 break
             state = solution.state
@@ -252,7 +253,7 @@ class Push:
         """
         noise = np.random.default_rng([self.scene.noise.seed, self.count, attempt])
         start = noise.standard_normal(state.q.shape)
-        value, mode_q, mode_b = self.system.lowest_mode(state, start)
+        value, mode_q, mode_b = lowest_mode(self.system, state, start)
         moved = state.copy()
         moved.q += amplitude * mode_q
         moved.b += amplitude * mode_b
@@ -272,7 +273,7 @@ class Push:
         frame = self.record(increment, landing=landing) if self.recording else None
         self.state = increment.state if frame is None else decode(self.system, frame)
         unchanged = self.state.equals(increment.state)  # always, where K = K0
-        self.here = increment.here if unchanged else self.system.analyse(self.state)
+        self.here = increment.here if unchanged else analyse(self.system, self.state)
         self.before = previous if increment.smooth else None
         if self.system.outer_length(self.state) < OUTER_LEAST:
             raise Stuck(

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from derod.stability import Equilibrium
 from derod.state import State
-from derod.system import Equilibrium, System
+from derod.system import System
 
 LONGEST_LOOK_AHEAD = 2.5  # of the last increment, for the second order
 FARTHEST = 0.25  # D a node may be predicted to move, or the prediction is not trusted

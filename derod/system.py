@@ -6,18 +6,16 @@ and multiplied back when a frame is made.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
 from derod.core import assembly, newton
 from derod.core.grid import lay_grid
-from derod.core.kinematics import measure
 from derod.core.layout import Physics
 from derod.core.residual import excess
 from derod.core.wall import wall_gap
-from derod.linalg.bordered import new_factor
+from derod.linalg.bordered import new_factor, solve_refined
 from derod.mesh import dry_mesh, wetted_mesh
 from derod.scene import Scene
 from derod.state import State
@@ -37,15 +35,6 @@ class Energies(NamedTuple):
     def total(self) -> float:
         """Return E_tot."""
         return self.bend + self.twist + self.wall + self.capillary
-
-
-@dataclass(slots=True)
-class Equilibrium:
-    """What the linearisation at a settled state tells."""
-
-    unstable_modes: int
-    slope_q: np.ndarray  # dq/ddelta
-    slope_b: np.ndarray  # db/ddelta
 
 
 class System:
@@ -118,10 +107,10 @@ class System:
 
     def energies(self, state: State) -> Energies:
         """Return the energy's parts at a state."""
-        measure(self.physics, self.mesh, state.q, state.b, self.room.kin)
         return Energies(
-            *assembly.energies(
+            *assembly.measured_energies(
                 self.physics,
+                self.mesh,
                 state.q,
                 state.b,
                 state.holonomy,
@@ -145,41 +134,34 @@ class System:
         """Return the least 1 + rho - 2 r of the wetted nodes, D."""
         return float(wall_gap(self.physics, self.room.kin, state.q, state.b))
 
-    def analyse(self, state: State) -> Equilibrium:
-        """Count the unstable modes of a settled state and take its slope along the branch."""
-        slope_q, slope_b = np.zeros_like(state.q), np.zeros_like(state.b)
-        count = newton.analyse(
-            self.physics,
-            self.mesh,
-            self.end_rotation,
-            state.holonomy,
-            self.room,
-            self.factor,
-            state.q,
-            state.b,
-            slope_q,
-            slope_b,
-        )
-        return Equilibrium(int(count), slope_q, slope_b)
+    def linearise(self, state: State, shift: float = 0.0) -> int:
+        """Factor the Hessian at a state and return how many unstable modes it has.
 
-    def lowest_mode(self, state: State, start: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
-        """Return the lowest eigenvalue on the constraints and its mode.
-
-        ``start`` has the shape of q: a vector that is not orthogonal to the mode; its sign decides the
-        mode's. The mode's largest displacement is 1.
+        ``shift`` (K0/D^4) raises all eigenvalues on the constraints, in the metric of ``inertia``.
         """
-        mode_q, mode_b = start.copy(), np.zeros_like(state.b)
-        value = newton.lowest_mode(
-            self.physics,
-            self.mesh,
-            self.end_rotation,
-            state.holonomy,
-            self.room,
-            self.factor,
-            state.q,
-            state.b,
-            mode_q,
-            mode_b,
-            30,
+        return int(
+            newton.linearise(
+                self.physics,
+                self.mesh,
+                self.end_rotation,
+                state.holonomy,
+                self.room,
+                self.factor,
+                state.q,
+                state.b,
+                shift,
+            )
         )
-        return float(value), mode_q, mode_b
+
+    def solve(self, right: np.ndarray, right_border: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Solve with the Hessian that was factored last.
+
+        ``right`` has a row for each of the nodes 1 ... N, like ``q[1:]``; ``right_border`` one for each
+        border row. Returns the solution in the same shapes.
+        """
+        own = self.factor.rhs[: right.size]
+        self.factor.rhs[:] = 0.0
+        own[:] = right.ravel()
+        self.factor.rhs_border[:] = right_border
+        solve_refined(self.room.linear, self.factor)
+        return own.reshape(right.shape).copy(), self.factor.rhs_border.copy()

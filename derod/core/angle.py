@@ -8,13 +8,13 @@ from __future__ import annotations
 
 import math
 
-from derod.core.jit import kernel
+from derod.core.jit import inlined, kernel
 
 SERIES = tuple(2.0 ** (n + 1) / (n * n * math.comb(2 * n, n)) for n in range(10, 0, -1))
 SERIES_LIMIT = 0.06  # phi = 0.35 rad; the ten terms leave 1e-16
 
 
-@kernel
+@inlined
 def small_squared_angle(u: float) -> tuple[float, float]:
     """Return phi^2 and its derivative by u, for u < SERIES_LIMIT."""
     value, first = 0.0, 0.0

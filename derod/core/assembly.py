@@ -21,7 +21,8 @@ from derod.core.bending import (
     fill_turns,
 )
 from derod.core.defect import add_defect_gradient, add_defect_hessian, defect_energy
-from derod.core.jit import kernel
+from derod.core.copying import copy_vector
+from derod.core.jit import inlined, kernel
 from derod.core.kinematics import measure
 from derod.core.layout import S_A, S_B, X_C, Gradient, Hessian, Kinematics, Mesh, Physics
 from derod.core.menisci import add_menisci_gradient, add_menisci_hessian, capillary_energy
@@ -83,7 +84,7 @@ def new_room(mesh: Mesh, physics: Physics) -> Room:
     )
 
 
-@kernel
+@inlined
 def energies(physics, q, b, psi, end_rotation, room):
     """Return E_bend, E_twist, E_wall, E_capillary of a state, K0/D; ``room.kin`` must be measured."""
     moment = twisting_moment(physics, end_rotation, psi)
@@ -94,6 +95,13 @@ def energies(physics, q, b, psi, end_rotation, room):
         wall_energy(physics, room.kin, q, b),
         capillary_energy(physics, b),
     )
+
+
+@kernel
+def measured_energies(physics, mesh, q, b, psi, end_rotation, room):
+    """Measure a state and return its ``energies``."""
+    measure(physics, mesh, q, b, room.kin)
+    return energies(physics, q, b, psi, end_rotation, room)
 
 
 @kernel
@@ -108,7 +116,7 @@ def gradient(physics, mesh, q, b, psi, end_rotation, room):
     return psi, sound and finite
 
 
-@kernel
+@inlined
 def constraints(physics, mesh, q, b, room):
     """Measure the rod and fill the stretch constraints; return False where an edge has no length."""
     sound = measure(physics, mesh, q, b, room.kin)
@@ -117,7 +125,7 @@ def constraints(physics, mesh, q, b, room):
     return sound
 
 
-@kernel
+@inlined
 def forces(physics, q, b, psi, end_rotation, room):
     """Do what ``gradient`` does, after ``constraints``."""
     d = len(physics.axis)
@@ -153,11 +161,11 @@ def forces(physics, q, b, psi, end_rotation, room):
         by_b += grad.rest[e] * kin.slope[1, e]
     grad.border[S_A] += by_a
     grad.border[S_B] += by_b
-    room.rb[:] = grad.border
+    copy_vector(grad.border, room.rb)
     return psi, np.isfinite(total) and np.isfinite(np.sum(room.rb))
 
 
-@kernel
+@inlined
 def turn_into_edges(axis, kin, grad):
     """Turn derivatives by directions and duals into those by edges and rest lengths.
 
@@ -216,7 +224,7 @@ def hessian(physics, q, b, psi, end_rotation, room):
     fill_border(physics, q, b, room)
 
 
-@kernel
+@inlined
 def fill_band(physics, hess, band):
     """Turn the edge form into the lower diagonals of K, unknown (d+1)(i-1)+k being q[i, k]."""
     d = len(physics.axis)
@@ -263,7 +271,7 @@ def fill_band(physics, hess, band):
                 band[min(row, column), abs(row - column)] = value
 
 
-@kernel
+@inlined
 def fill_border(physics, q, b, room):
     """Fill the border columns and the corner."""
     d = len(physics.axis)
@@ -272,7 +280,9 @@ def fill_border(physics, q, b, room):
     n = q.shape[0] - 1
     border[:] = 0.0
     corner[:] = 0.0
-    corner[: d + 5, : d + 5] = hess.border
+    for k in range(d + 5):
+        for m in range(d + 5):
+            corner[k, m] = hess.border[k, m]
     for i in range(1, n + 1):
         for s in range(2):
             if i < n:
@@ -300,7 +310,7 @@ def fill_border(physics, q, b, room):
         fill_twist_and_turn(physics, kin, room.grad, q, b, border, corner)
 
 
-@kernel
+@inlined
 def fill_twist_and_turn(physics, kin, grad, q, b, border, corner):
     """Fill the last two border rows: the twisting moment and the turn about the clamp axis."""
     moment, turn = 8, 9

@@ -18,10 +18,10 @@ so that the Lagrangian holds sum_i C_i phi_i^2 with
 from __future__ import annotations
 
 from derod.core.angle import SERIES_LIMIT, small_squared_angle, squared_angle
-from derod.core.jit import kernel
+from derod.core.jit import inlined
 
 
-@kernel
+@inlined
 def fill_turns(kin, grad):
     """Measure the turning angles, and set the arcs' share of the stretch constraints."""
     small = True
@@ -38,7 +38,7 @@ def fill_turns(kin, grad):
         grad.constraint[e] = (share[e - 1] + share[e]) * kin.rest[e] * kin.rest[e] * kin.rest[e]
 
 
-@kernel
+@inlined
 def bending_energy(kin):
     """Return E_bend, K0/D."""
     total = 0.0
@@ -48,7 +48,7 @@ def bending_energy(kin):
     return total
 
 
-@kernel
+@inlined
 def fill_bending_gradient(axis, kin, tension, grad):
     """Set the derivatives of sum C_i phi_i^2 by directions, duals and rest lengths; after ``fill_turns``.
 
@@ -75,7 +75,7 @@ def fill_bending_gradient(axis, kin, tension, grad):
             grad.direction[k, e] = force[e - 1] * kin.change[k, e - 1] - force[e] * kin.change[k, e]
 
 
-@kernel
+@inlined
 def add_bending_hessian(physics, kin, tension, hess):
     """Add the second derivatives of sum C_i phi_i^2."""
     d = len(physics.axis)

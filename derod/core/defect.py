@@ -13,10 +13,10 @@ difference of the curvatures at the edge's two ends. Beyond the clamps t_-, t_+ 
 
 from __future__ import annotations
 
-from derod.core.jit import kernel
+from derod.core.jit import inlined
 
 
-@kernel
+@inlined
 def squared_difference(axis, kin, e):
     """Return F of edge e."""
     square = 0.0
@@ -25,7 +25,7 @@ def squared_difference(axis, kin, e):
     return square
 
 
-@kernel
+@inlined
 def defect_energy(axis, kin):
     """Return E_defect, K0/D; it is part of the bending energy."""
     total = 0.0
@@ -34,7 +34,7 @@ def defect_energy(axis, kin):
     return total
 
 
-@kernel
+@inlined
 def add_defect_gradient(axis, kin, grad):
     """Add the derivatives of E_defect by directions, duals and rest lengths.
 
@@ -61,7 +61,7 @@ def add_defect_gradient(axis, kin, grad):
         grad.rest[e] += squared_difference(axis, kin, e) / 12
 
 
-@kernel
+@inlined
 def add_defect_hessian(axis, kin, hess):
     """Add the second derivatives of E_defect.
 
@@ -153,7 +153,7 @@ def add_defect_hessian(axis, kin, hess):
         add_rest_lengths(kin, e, d, alpha, beta, sigma, square, right, left, cr, cl, cross, hess)
 
 
-@kernel
+@inlined
 def add_rest_lengths(kin, e, d, alpha, beta, sigma, square, right, left, cr, cl, cross, hess):
     """Add the second derivatives of (l_e/12) F in which s_A and s_B take part."""
     o, r, l = hess.tangent[e], hess.tangent[e + 1], hess.tangent[e - 1]

@@ -19,7 +19,8 @@ from typing import NamedTuple
 import numpy as np
 
 from derod.core.assembly import constraints, forces
-from derod.core.jit import kernel
+from derod.core.copying import scale_rows, scale_vector
+from derod.core.jit import inlined, kernel
 from derod.core.layout import S_A, S_B, X_C
 from derod.core.residual import EPS, excess
 from derod.core.wall import squared_distance, wall_gap
@@ -63,7 +64,7 @@ def new_motion(edges: int, d: int) -> Motion:
     )
 
 
-@kernel
+@inlined
 def evaluate(physics, mesh, end_rotation, psi, room, q, b, inertia, motion):
     """Set mu in q and b and the forces in ``room``; return (psi, sound)."""
     d = len(physics.axis)
@@ -82,7 +83,7 @@ def evaluate(physics, mesh, end_rotation, psi, room, q, b, inertia, motion):
     return psi, sound and finite
 
 
-@kernel
+@inlined
 def accelerate(room, inertia, motion):
     """Fill the accelerations; return the power F.v, v.M v and F.M^-1 F."""
     r, rb = room.r, room.rb
@@ -111,7 +112,7 @@ def accelerate(room, inertia, motion):
     return power, speed2, force2
 
 
-@kernel
+@inlined
 def damp(kinetic, speed2, force2, memory):
     """Return (factor on the velocity, factor on the acceleration) of this step; update the memory.
 
@@ -132,7 +133,7 @@ def damp(kinetic, speed2, force2, memory):
     return 1 - mix, memory[STEP] + mix * slowness
 
 
-@kernel
+@inlined
 def stop(kinetic, memory):
     """Come to rest; FIRE's time step is cut."""
     memory[SINCE] = 0
@@ -141,7 +142,7 @@ def stop(kinetic, memory):
         memory[STEP] = max(FIRE_CUT * memory[STEP], LEAST_STEP)
 
 
-@kernel
+@inlined
 def push(room, keep, kick, motion):
     """Change the velocities to keep v + kick F/m; return (largest, fastest turn of an edge)."""
     n, d = motion.velocity.shape[0] - 1, motion.velocity.shape[1]
@@ -162,15 +163,15 @@ def push(room, keep, kick, motion):
     return fastest, math.sqrt(turning)
 
 
-@kernel
+@inlined
 def slow_down(factor, motion):
     """Scale the velocities."""
-    motion.velocity[:] *= factor
-    motion.momentum[:] *= factor
-    motion.border[:] *= factor
+    scale_rows(factor, motion.velocity)
+    scale_rows(factor, motion.momentum)
+    scale_vector(factor, motion.border)
 
 
-@kernel
+@inlined
 def move(dt, q, b, inertia, motion):
     """Move the state along the velocities."""
     n, d = motion.velocity.shape[0] - 1, motion.velocity.shape[1]
@@ -184,7 +185,7 @@ def move(dt, q, b, inertia, motion):
         b[X_C + k] += dt * motion.border[1 + k]
 
 
-@kernel
+@inlined
 def strain(physics, room, tolerance):
     """Return the largest ratio of a constraint's violation to what is allowed.
 
@@ -212,15 +213,29 @@ def explicit_steps(
     """
     d = len(physics.axis)
     memory = motion.memory
-    psi, sound = evaluate(physics, mesh, end_rotation, psi, room, q, b, inertia, motion)
-    gap = wall_gap(physics, room.kin, q, b)
-    done = 0
-    worst, force = excess(physics, room.r, room.rb, room.kin, tolerance)
-    worst = max(worst, strain(physics, room, STRAIN * tolerance))
-    while done < steps and sound and gap > 0:
+    done, worst, force = 0, np.inf, np.inf
+    while True:
+        psi, sound = evaluate(physics, mesh, end_rotation, psi, room, q, b, inertia, motion)
+        gap = wall_gap(physics, room.kin, q, b)
+        sound = sound and gap > 0
+        if not sound:
+            break
+        if done % LOOK == 0 or done == steps:
+            worst, force = excess(physics, room.r, room.rb, room.kin, tolerance)
+            strained = strain(physics, room, STRAIN * tolerance)
+            if done == steps or (worst <= 1 and strained <= 1):
+                worst = max(worst, strained)
+                break
+            # settled for these multipliers, or for good but for a strain that would show in the energy
+            if worst <= 1 or force <= max(memory[LEVEL], 0.5 * tolerance):
+                for e in range(1, q.shape[0]):
+                    motion.tension[e] = q[e, d]
+                motion.force[0], motion.force[1] = b[X_C + d], b[X_C + d + 1]
+                memory[LEVEL] = RENEW * force
         power, speed2, force2 = accelerate(room, inertia, motion)
-        if memory[SINCE] > 0 and power <= 0:
-            move(-0.5 * memory[STEP], q, b, inertia, motion)
+        back = memory[SINCE] > 0 and power <= 0
+        way = -0.5 * memory[STEP]
+        if back:
             stop(kinetic, memory)
         else:
             keep, kick = damp(kinetic, speed2, force2, memory)
@@ -228,18 +243,7 @@ def explicit_steps(
             used = memory[STEP] * max(fastest / (GAP_SHARE * gap), turning / ROTATION)
             if used > 1:
                 slow_down(1 / used, motion)
-            move(memory[STEP], q, b, inertia, motion)
-        psi, sound = evaluate(physics, mesh, end_rotation, psi, room, q, b, inertia, motion)
-        gap = wall_gap(physics, room.kin, q, b)
+            way = memory[STEP]
+        move(way, q, b, inertia, motion)
         done += 1
-        if done % LOOK == 0 or done == steps:
-            worst, force = excess(physics, room.r, room.rb, room.kin, tolerance)
-            if worst <= 1 and strain(physics, room, STRAIN * tolerance) <= 1:
-                break
-            # settled for these multipliers, or for good but for a strain that would show in the energy
-            if worst <= 1 or force <= max(memory[LEVEL], 0.5 * tolerance):
-                motion.tension[1:] = q[1:, d]
-                motion.force[0], motion.force[1] = b[X_C + d], b[X_C + d + 1]
-                memory[LEVEL] = RENEW * force
-    worst = max(worst, strain(physics, room, STRAIN * tolerance))
-    return done, psi, worst, force, sound and gap > 0
+    return done, psi, worst, force, sound

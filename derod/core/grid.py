@@ -12,11 +12,11 @@ smooth in s_A and s_B.
 
 from __future__ import annotations
 
-from derod.core.jit import kernel
+from derod.core.jit import inlined, kernel
 from derod.core.layout import S_A, S_B
 
 
-@kernel
+@inlined
 def outer_lengths(mesh, region, sign, nearest, step, rest, slope, curve):
     """Fill the lengths of the outer region of length ``region``, from its edge ``nearest`` the meniscus.
 

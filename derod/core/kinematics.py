@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 
 from derod.core.grid import lay_grid
-from derod.core.jit import kernel
+from derod.core.jit import inlined
 
 
-@kernel
+@inlined
 def measure(physics, mesh, q, b, kin):
     """Fill ``kin`` for the state (q, b); return False where an edge has no length or is not finite."""
     lay_grid(mesh, physics.length, b, kin)
@@ -18,7 +18,7 @@ def measure(physics, mesh, q, b, kin):
     return sound
 
 
-@kernel
+@inlined
 def fill_tangents(axis, q, kin):
     """Fill the edges' lengths and tangents."""
     n = kin.rest.size - 2
@@ -41,7 +41,7 @@ def fill_tangents(axis, q, kin):
     return unsound == 0
 
 
-@kernel
+@inlined
 def fill_changes(axis, kin):
     """Fill the tangents' changes at the vertices, and 1 - cos(phi) = |change|^2 / 2 of them."""
     vertices = kin.fall.size
@@ -57,7 +57,7 @@ def fill_changes(axis, kin):
         kin.weight[i] = 1.0 / (kin.rest[i] + kin.rest[i + 1])
 
 
-@kernel
+@inlined
 def fill_differences(axis, kin):
     """Fill d = (1 - t t^T) s, the difference of the curvatures at an edge's two ends, and t.s.
 

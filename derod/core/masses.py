@@ -21,7 +21,7 @@ from typing import NamedTuple
 import numpy as np
 
 from derod.core.assembly import hessian
-from derod.core.jit import kernel
+from derod.core.jit import allocating_kernel
 from derod.core.layout import S_A, S_B, X_C
 from derod.linalg.bordered import subtract_product
 
@@ -54,7 +54,7 @@ def new_inertia(edges: int, d: int) -> Inertia:
     )
 
 
-@kernel
+@allocating_kernel
 def fill_penalties(kin, inertia):
     """Fill kappa_e = 16 / (l_min l_e^2).
 
@@ -69,7 +69,7 @@ def fill_penalties(kin, inertia):
     inertia.menisci[0] = inertia.penalty[kin.node_a]
 
 
-@kernel
+@allocating_kernel
 def fill_carried(kin, carried):
     """Fill dx/d(wetted length / 2): every node slides along the tangent with its arc length."""
     place = 0.0
@@ -79,7 +79,7 @@ def fill_carried(kin, carried):
             carried[i, k] = 0.5 * place * (kin.tangent[k, i] + kin.tangent[k, i + 1])
 
 
-@kernel
+@allocating_kernel
 def fill_masses(physics, q, b, psi, end_rotation, room, factor, inertia):
     """Fill ``inertia`` at the state whose ``gradient`` was taken last; ``factor`` lends its room."""
     d = len(physics.axis)
@@ -98,7 +98,7 @@ def fill_masses(physics, q, b, psi, end_rotation, room, factor, inertia):
         inertia.centre[k] *= 0.25 * SAFETY
 
 
-@kernel
+@allocating_kernel
 def carried_product(physics, linear, factor, inertia):
     """Return the Hessian of the augmented Lagrangian times the carried motion: (band rows, border)."""
     carried, penalty = inertia.carried, inertia.penalty
@@ -128,7 +128,7 @@ def carried_product(physics, linear, factor, inertia):
     return out, out_border
 
 
-@kernel
+@allocating_kernel
 def fill_border_masses(physics, kin, linear, grown, grown_border, inertia):
     """Fill the row sums of the wetted length and of x_C."""
     border, corner = linear.border, linear.corner
@@ -155,7 +155,7 @@ def fill_border_masses(physics, kin, linear, grown, grown_border, inertia):
     inertia.wetted[0] = wetted + abs(own)
 
 
-@kernel
+@allocating_kernel
 def add_row_sums(physics, linear, grown, blocks):
     """Set the nodes' blocks to the row sums of the Lagrangian's Hessian, alike in all directions."""
     band, border = linear.band, linear.border
@@ -182,7 +182,7 @@ def add_row_sums(physics, linear, grown, blocks):
             blocks[i, k, k] = largest
 
 
-@kernel
+@allocating_kernel
 def add_constraints(physics, kin, linear, inertia):
     """Add the penalties kappa to the nodes' blocks, along the constraints' directions."""
     band, border, blocks = linear.band, linear.border, inertia.inverse
@@ -209,7 +209,7 @@ def add_constraints(physics, kin, linear, inertia):
         add_direction(blocks[i], slopes[0], 2 * inertia.menisci[0])
 
 
-@kernel
+@allocating_kernel
 def add_direction(block, g, weight):
     """Add weight g g^T to a block."""
     for k in range(g.size):

@@ -12,18 +12,18 @@ zero wherever the state is symmetric.
 
 from __future__ import annotations
 
-from derod.core.jit import kernel
+from derod.core.jit import inlined
 from derod.core.layout import S_A, S_B, X_C
 from derod.core.wall import squared_distance
 
 
-@kernel
+@inlined
 def capillary_energy(physics, b):
     """Return -f_gamma (s_B - s_A), K0/D."""
     return -physics.capillary_force * (b[S_B] - b[S_A])
 
 
-@kernel
+@inlined
 def add_menisci_gradient(physics, kin, q, b, grad):
     """Add f_gamma, the forces f_A, f_B and the three constraints."""
     d = len(physics.axis)
@@ -38,7 +38,7 @@ def add_menisci_gradient(physics, kin, q, b, grad):
     grad.border[X_C + d + 2] += b[S_A] + b[S_B] - physics.length
 
 
-@kernel
+@inlined
 def add_menisci_hessian(physics, kin, q, b, hess):
     """Add 2 f on the menisci's nodes and the constraints' rows (those by x_i: ``assembly``)."""
     d = len(physics.axis)

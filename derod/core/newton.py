@@ -13,7 +13,8 @@ from __future__ import annotations
 import numpy as np
 
 from derod.core.assembly import energies, gradient, hessian
-from derod.core.jit import kernel
+from derod.core.copying import copy_rows, copy_vector, scale_rows, scale_vector
+from derod.core.jit import inlined, kernel
 from derod.core.layout import S_A, S_B, X_C
 from derod.core.residual import excess
 from derod.core.wall import wall_gap
@@ -53,7 +54,7 @@ def unstable_modes(linear, factor, d):
     return negative - n - 3 - (linear.corner.shape[0] - d - 5)
 
 
-@kernel
+@inlined
 def longest_step(physics, kin, q, b, dq, db):
     """Return the fraction of the step (dq, db) that stays inside the limits, at most 1."""
     d = len(physics.axis)
@@ -100,7 +101,7 @@ def merit(physics, q, b, psi, end_rotation, penalty, room):
     return e[0] + e[1] + e[2] + e[3] + penalty * violation
 
 
-@kernel
+@inlined
 def largest_multiplier(q, b, dq, db, d):
     """Return the largest multiplier before or after a full step, K0/D^2."""
     largest = 0.0
@@ -111,7 +112,7 @@ def largest_multiplier(q, b, dq, db, d):
     return largest
 
 
-@kernel
+@inlined
 def restore_lengths(room, factor, tq, tb):
     """Move a trial state back toward its constraints, with the factor at hand.
 
@@ -176,7 +177,7 @@ def newton_step(
         for i in range(1, n + 1):
             for k in range(d + 1):
                 dq[i, k] = x[(d + 1) * (i - 1) + k]
-        db[:] = y[: d + 5]
+        copy_vector(y, db)
         fraction = longest_step(physics, room.kin, q, b, dq, db)
         penalty = 1 + 1.5 * largest_multiplier(q, b, dq, db, d)
         before = merit(physics, q, b, psi_old, end_rotation, penalty, room)
@@ -195,8 +196,8 @@ def newton_step(
             after = merit(physics, tq, tb, psi, end_rotation, penalty, room)
             slack = ENERGY_ROUNDING * physics.capillary_force * physics.length
             if new < 0.9 * old or after < before or (new < old and after < before + slack):
-                q[:] = tq
-                b[:] = tb
+                copy_rows(tq, q)
+                copy_vector(tb, b)
                 if fraction == 1.0:
                     shift *= LOWER
                     if shift < LEAST_SHIFT:
@@ -213,110 +214,9 @@ def newton_step(
 
 
 @kernel
-def clamp_column(physics, room, x, y):
-    """Fill (x, y) with minus the residual's change as the end clamp moves inward (ddelta = 1)."""
-    d = len(physics.axis)
-    hess = room.hess
-    n = hess.node.shape[0] - 1
-    z = (
-        d - 1
-    )  # the clamp moves along the axis: dx_N = -e_z, so minus the change is the column itself
-    x[:] = 0.0
-    y[:] = 0.0
-    for k in range(d):
-        x[(d + 1) * (n - 2) + k] = -hess.edge[n, k, z] + hess.vertex[n - 1, k, z]
-        x[(d + 1) * (n - 3) + k] = -hess.vertex[n - 1, k, z] + hess.skip[n - 1, k, z]
-        x[(d + 1) * (n - 4) + k] = -hess.skip[n - 1, k, z]
-    x[(d + 1) * (n - 1) + d] = hess.constraint[n, 1, z]
-    x[(d + 1) * (n - 2) + d] = hess.constraint[n - 1, 2, z]
-    for s in range(2):
-        y[s] = hess.edge_menisci[s, n, z]
-    if d == 3:
-        y[8] = room.grad.holonomy[z, n]
-
-
-@kernel
-def analyse(physics, mesh, end_rotation, psi, room, factor, q, b, dq, db):
-    """Count the unstable modes at a settled state, and fill (dq, db) with its slope by delta.
-
-    Returns the number of negative eigenvalues of the energy's Hessian on the constraints.
-    """
-    d = len(physics.axis)
-    n = room.kin.rest.size - 2
+def linearise(physics, mesh, end_rotation, psi, room, factor, q, b, shift):
+    """Factor the Hessian at a state, shifted by ``shift`` times M; return its count of unstable modes."""
     gradient(physics, mesh, q, b, psi, end_rotation, room)
-    hessian(physics, q, b, psi, end_rotation, room)
-    count = unstable_modes(room.linear, factor, d)
-    clamp_column(physics, room, factor.rhs, factor.rhs_border)
-    solve_refined(room.linear, factor)
-    dq[:] = 0.0
-    for i in range(1, n + 1):
-        for k in range(d + 1):
-            dq[i, k] = factor.rhs[(d + 1) * (i - 1) + k]
-    dq[n, d - 1] = -1.0
-    db[:] = factor.rhs_border[: d + 5]
-    return count
-
-
-@kernel
-def lowest_mode(physics, mesh, end_rotation, psi, room, factor, q, b, dq, db, sweeps):
-    """Turn the start vector (dq, db) into the lowest mode of the Hessian on the constraints.
-
-    Shifts bracket the lowest eigenvalue (inertia), inverse iteration finds its vector. Displacements
-    are returned with largest component 1, multipliers zero. Returns the eigenvalue, K0/D^4.
-    """
-    d = len(physics.axis)
-    n = room.kin.rest.size - 2
-    gradient(physics, mesh, q, b, psi, end_rotation, room)
-    low, high = 0.0, FIRST_SHIFT  # the lowest eigenvalue lies in (-high, -low)
-    while shifted_count(physics, end_rotation, psi, room, factor, q, b, high) > 0:
-        low, high = high, 4 * high
-        if high > LARGEST_SHIFT:
-            return np.nan
-    for _ in range(8):
-        middle = 0.5 * (low + high)
-        if shifted_count(physics, end_rotation, psi, room, factor, q, b, middle) > 0:
-            low = middle
-        else:
-            high = middle
-    shifted_count(physics, end_rotation, psi, room, factor, q, b, high)
-    x, y = factor.rhs, factor.rhs_border
-    value = 0.0
-    for _ in range(sweeps):
-        x[:] = 0.0
-        y[:] = 0.0
-        before = 0.0
-        for i in range(1, n):
-            dual = 0.5 * (room.kin.rest[i] + room.kin.rest[i + 1])
-            for k in range(d):
-                x[(d + 1) * (i - 1) + k] = dual * dq[i, k]
-                before += dual * dq[i, k] ** 2
-        for k in range(X_C + d):
-            y[k] = db[k]
-            before += db[k] ** 2
-        solve(factor, x, y)
-        product = 0.0
-        largest = 0.0
-        for i in range(1, n):
-            dual = 0.5 * (room.kin.rest[i] + room.kin.rest[i + 1])
-            for k in range(d):
-                new = x[(d + 1) * (i - 1) + k]
-                product += dual * dq[i, k] * new
-                largest = max(largest, abs(new))
-                dq[i, k] = new
-        for k in range(X_C + d):
-            product += db[k] * y[k]
-            db[k] = y[k]
-        value = before / product - high
-        dq /= largest
-        db /= largest
-    dq[:, d] = 0.0
-    db[X_C + d :] = 0.0
-    return value
-
-
-@kernel
-def shifted_count(physics, end_rotation, psi, room, factor, q, b, shift):
-    """Return the unstable modes left with ``shift``; the gradient in ``room`` must be current."""
     hessian(physics, q, b, psi, end_rotation, room)
     add_shift(room.kin, room.linear, len(physics.axis), shift)
     return unstable_modes(room.linear, factor, len(physics.axis))

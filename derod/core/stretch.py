@@ -5,10 +5,10 @@ lambda_e g_e,   g_e = (|e|^2 / l - l) / 2 + (the arc's share, see ``bending``)
 
 from __future__ import annotations
 
-from derod.core.jit import kernel
+from derod.core.jit import inlined
 
 
-@kernel
+@inlined
 def add_stretch(kin, grad):
     """Add the chords' share of the constraints g."""
     for e in range(1, kin.rest.size - 1):
@@ -16,7 +16,7 @@ def add_stretch(kin, grad):
         grad.constraint[e] += 0.5 * kin.rest[e] * (ratio - 1) * (ratio + 1)
 
 
-@kernel
+@inlined
 def add_stretch_gradient(kin, tension, grad):
     """Set the pull lambda |e| / l along the edges; add the derivatives by the rest lengths."""
     for e in range(1, kin.rest.size - 1):
@@ -26,7 +26,7 @@ def add_stretch_gradient(kin, tension, grad):
         grad.rest[e] -= 0.5 * tension[e] * (ratio * ratio + 1)
 
 
-@kernel
+@inlined
 def add_stretch_hessian(physics, kin, tension, hess):
     """Add the second derivatives of lambda_e g_e."""
     d = len(physics.axis)

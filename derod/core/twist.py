@@ -20,10 +20,10 @@ from __future__ import annotations
 
 import math
 
-from derod.core.jit import kernel
+from derod.core.jit import inlined
 
 
-@kernel
+@inlined
 def fill_normals(kin):
     """Fill the cross products a x b of the tangents that meet at each vertex."""
     for k in range(3):
@@ -33,7 +33,7 @@ def fill_normals(kin):
             normal[i] = a1[i] * a2[i + 1] - a2[i] * a1[i + 1]
 
 
-@kernel
+@inlined
 def holonomy(kin, remembered, grad):
     """Return psi on the branch nearest to ``remembered``, radians; fill grad(psi) by the edges.
 
@@ -60,7 +60,7 @@ def holonomy(kin, remembered, grad):
     return psi + turn * math.floor((remembered - psi) / turn + 0.5)
 
 
-@kernel
+@inlined
 def fill_holonomy_gradient(kin, grad):
     """Fill grad(psi): of the polygon, -(kb)/2 of both vertices, and of the corners' triple products.
 
@@ -93,20 +93,20 @@ def fill_holonomy_gradient(kin, grad):
             grad.holonomy[k, e] = kin.inverse[e] * slope
 
 
-@kernel
+@inlined
 def cross_component(a, b, k):
     """Return component k of a x b."""
     k1, k2 = (k + 1) % 3, (k + 2) % 3
     return a[k1] * b[k2] - a[k2] * b[k1]
 
 
-@kernel
+@inlined
 def twisting_moment(physics, end_rotation, psi):
     """Return m_3 = k3 (R - psi)/l, K0/D."""
     return physics.twisting * (end_rotation - psi) / physics.length
 
 
-@kernel
+@inlined
 def add_twist_gradient(kin, moment, grad):
     """Add -m_3 grad(psi) by the edges; ``holonomy`` has filled grad(psi)."""
     for k in range(3):
@@ -114,7 +114,7 @@ def add_twist_gradient(kin, moment, grad):
             grad.edge[k, e] -= moment * grad.holonomy[k, e]
 
 
-@kernel
+@inlined
 def add_twist_hessian(kin, moment, hess):
     """Add -m_3 times the second derivatives of psi; k3/l grad psi grad psi is a border row.
 
@@ -145,7 +145,7 @@ def add_twist_hessian(kin, moment, hess):
         add_corner_hessian(kin, e, -0.125 * moment, hess)
 
 
-@kernel
+@inlined
 def add_corner_hessian(kin, e, weight, hess):
     """Add ``weight`` times the second derivatives of t_- . (t x t_+) by the edges."""
     l, o, r = hess.tangent[e - 1], hess.tangent[e], hess.tangent[e + 1]
@@ -178,7 +178,7 @@ def add_corner_hessian(kin, e, weight, hess):
             hess.skip[e, k, m] += weight * il * ir * mixed(o, l, r, area, k, m, 1.0)
 
 
-@kernel
+@inlined
 def mixed(axis, row, column, area, k, m, sign):
     """Return entry k, m of (1 - row row^T) sign [axis]x (1 - column column^T).
 
@@ -195,7 +195,7 @@ def mixed(axis, row, column, area, k, m, sign):
     return sign * entry + area * row[k] * column[m]
 
 
-@kernel
+@inlined
 def add_own_edge(normal, own, other, cosine, inverse, scale, block):
     """Add twice the symmetric part of |e|^2 d(binormal/|e|)/de, times ``scale``.
 

@@ -12,13 +12,13 @@ from __future__ import annotations
 
 import math
 
-from derod.core.jit import kernel
+from derod.core.jit import inlined
 from derod.core.layout import S_A, S_B, X_C
 
 CORE = 0.01  # D
 
 
-@kernel
+@inlined
 def wall(physics, r2):
     """Return v and its first two derivatives by w = r^2, with the core smoothed."""
     if r2 < CORE * CORE:
@@ -38,7 +38,7 @@ def wall(physics, r2):
     return v, v_r * r_w, v_rr * r_w * r_w + v_r * r_ww
 
 
-@kernel
+@inlined
 def squared_distance(physics, q, b, i):
     """Return |x_i - x_C|^2."""
     r2 = 0.0
@@ -47,7 +47,7 @@ def squared_distance(physics, q, b, i):
     return r2
 
 
-@kernel
+@inlined
 def wall_gap(physics, kin, q, b):
     """Return the least 1 + rho - 2 r of the wetted nodes."""
     r2 = 0.0
@@ -56,7 +56,7 @@ def wall_gap(physics, kin, q, b):
     return 1 + physics.wall_softness - 2 * math.sqrt(r2)
 
 
-@kernel
+@inlined
 def wall_energy(physics, kin, q, b):
     """Return the integral of v over the wetted part, K0/D."""
     total = 0.0
@@ -66,7 +66,7 @@ def wall_energy(physics, kin, q, b):
     return (b[S_B] - b[S_A]) * total
 
 
-@kernel
+@inlined
 def add_wall_gradient(physics, kin, q, b, grad):
     """Add the wall's push on the nodes, and its energy by the menisci's places."""
     twice = 2 * (b[S_B] - b[S_A])
@@ -83,7 +83,7 @@ def add_wall_gradient(physics, kin, q, b, grad):
     grad.border[S_B] += mean
 
 
-@kernel
+@inlined
 def add_wall_hessian(physics, kin, q, b, hess):
     """Add the wall's second derivatives; those by x_C follow in ``assembly`` from the nodes'."""
     d = len(physics.axis)

@@ -10,11 +10,14 @@ no force out of its plane.
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 
-from derod.core.jit import kernel
+from derod.core.copying import copy_rows, copy_vector
+from derod.core.jit import inlined, kernel
+from derod.linalg.dense import invert
 
 
 class Factor(NamedTuple):
@@ -23,7 +26,8 @@ class Factor(NamedTuple):
     lower: np.ndarray  # (n + w, w + 1): D on lower[:, 0], L's columns beside it
     half: np.ndarray  # (n + w, m): L^{-1} B
     scale: np.ndarray  # (m,) that makes S's rows comparable
-    schur: np.ndarray  # (m, m) S, scaled
+    schur: np.ndarray  # (m, m) the inverse of S, scaled
+    scaled: np.ndarray  # (m,) room
     right: np.ndarray  # (n + w,) room for a right side that is kept
     right_border: np.ndarray  # (m,)
     rhs: np.ndarray  # (n + w,) room for a right side, then its solution
@@ -37,6 +41,7 @@ def new_factor(rows: int, stride: int, borders: int) -> Factor:
         np.zeros((rows, borders)),
         np.zeros(borders),
         np.zeros((borders, borders)),
+        np.zeros(borders),
         np.zeros(rows),
         np.zeros(borders),
         np.zeros(rows),
@@ -51,9 +56,9 @@ def factorize(linear, factor):
     rows, stride = lower.shape
     n = rows - stride + 1
     m = half.shape[1]
-    lower[:] = linear.band
-    half[:] = linear.border
-    schur[:] = linear.corner
+    copy_rows(linear.band, lower)
+    copy_rows(linear.border, half)
+    copy_rows(linear.corner, schur)
     negative = 0
     for j in range(n):
         pivot = lower[j, 0]
@@ -73,14 +78,16 @@ def factorize(linear, factor):
             f = half[j, k] * inverse
             for i in range(m):
                 schur[k, i] -= f * half[j, i]
-    if not np.isfinite(np.sum(schur)):
-        return -1
     for k in range(m):
-        factor.scale[k] = 1.0 / np.sqrt(np.max(np.abs(schur[k])) + 1e-300)
+        largest = 0.0
+        for i in range(m):
+            largest = max(largest, abs(schur[k, i]))
+        factor.scale[k] = 1.0 / math.sqrt(largest + 1e-300)
     for k in range(m):
         for i in range(m):
             schur[k, i] *= factor.scale[k] * factor.scale[i]
-    return negative + np.sum(np.linalg.eigvalsh(schur) < 0)
+    more = invert(schur, factor.scaled)
+    return negative + more if more >= 0 else -1
 
 
 @kernel
@@ -97,7 +104,7 @@ def solve(factor, x, y):
         f /= lower[j, 0]
         for k in range(m):
             y[k] -= half[j, k] * f
-    y[:] = factor.scale * np.linalg.solve(factor.schur, factor.scale * y)
+    solve_border(factor, y)
     x[n:] = 0.0
     for j in range(n - 1, -1, -1):
         f = x[j]
@@ -107,6 +114,20 @@ def solve(factor, x, y):
         for k in range(1, stride):
             f -= lower[j, k] * x[j + k]
         x[j] = f
+
+
+@inlined
+def solve_border(factor, y):
+    """Solve S y = y in place."""
+    m = y.size
+    scaled = factor.scaled
+    for k in range(m):
+        scaled[k] = factor.scale[k] * y[k]
+    for k in range(m):
+        total = 0.0
+        for i in range(m):
+            total += factor.schur[k, i] * scaled[i]
+        y[k] = factor.scale[k] * total
 
 
 @kernel
@@ -137,10 +158,12 @@ def solve_refined(linear, factor):
     The factorisation does not pivot; what it loses to a small pivot, this gives back.
     """
     right, right_border = factor.right, factor.right_border
-    right[:] = factor.rhs
-    right_border[:] = factor.rhs_border
+    copy_vector(factor.rhs, right)
+    copy_vector(factor.rhs_border, right_border)
     solve(factor, factor.rhs, factor.rhs_border)
     subtract_product(linear, factor.rhs, factor.rhs_border, right, right_border)
     solve(factor, right, right_border)
-    factor.rhs[:] += right
-    factor.rhs_border[:] += right_border
+    for j in range(right.size):
+        factor.rhs[j] += right[j]
+    for k in range(right_border.size):
+        factor.rhs_border[k] += right_border[k]

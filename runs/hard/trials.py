@@ -22,6 +22,7 @@ from derod.encode import decode
 from derod.guess import bent_guess
 from derod.record import BaseRun, open_run
 from derod.relax import make_relaxer, relax
+from derod.stability import analyse
 from derod.state import State
 from derod.system import System
 
@@ -79,7 +80,7 @@ def tangled_starts() -> Trial:
         solution = relax(make_relaxer("implicit"), system, tangle(system, seed), descend=True)
         ends[str(solution.outcome)] += 1
         if solution.converged:
-            unstable = system.analyse(solution.state).unstable_modes
+            unstable = analyse(system, solution.state).unstable_modes
             system.gradient(solution.state)
             wrong += unstable != 0 or system.excess(system.tolerance)[0] > 1
         else:

@@ -1,0 +1,107 @@
+"""Stability of settled states: unstable modes, the slope of the branch, the lowest mode.
+
+The Hessian of the Lagrangian on the constraints decides: its negative eigenvalues are counted by the
+inertia of its factor. Turning the coil about the clamp axis and sliding the drop along the rod are
+neutral; both are outside the count (ARCHITECTURE.md, "Neutral modes").
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from derod.core.layout import X_C
+from derod.state import State
+from derod.system import System
+
+FIRST_SHIFT = 1.0  # K0/D^4, of a soft mode's stiffness
+LARGEST_SHIFT = 1e12
+HALVINGS = 8  # of the bracket of the lowest eigenvalue
+SWEEPS = 30  # of inverse iteration
+
+
+@dataclass(slots=True)
+class Equilibrium:
+    """What the linearisation at a settled state tells."""
+
+    unstable_modes: int
+    slope_q: np.ndarray  # dq/ddelta
+    slope_b: np.ndarray  # db/ddelta
+
+
+def analyse(system: System, state: State) -> Equilibrium:
+    """Count the unstable modes of a settled state and take its slope along the branch."""
+    count = system.linearise(state)
+    solution, border = system.solve(*clamp_column(system))
+    slope_q = np.zeros_like(state.q)
+    slope_q[1:] = solution
+    slope_q[-1, system.dimension - 1] = -1.0
+    return Equilibrium(count, slope_q, border[: state.b.size])
+
+
+def clamp_column(system: System) -> tuple[np.ndarray, np.ndarray]:
+    """Return minus the residual's change as the end clamp moves inward (ddelta = 1, dx_N = -e_z)."""
+    d, n = system.dimension, system.edges
+    hess, z = system.room.hess, d - 1
+    column = np.zeros((n, d + 1))  # row i - 1 is node i
+    column[n - 2, :d] = hess.vertex[n - 1, :, z] - hess.edge[n, :, z]
+    column[n - 3, :d] = hess.skip[n - 1, :, z] - hess.vertex[n - 1, :, z]
+    column[n - 4, :d] = -hess.skip[n - 1, :, z]
+    column[n - 1, d] = hess.constraint[n, 1, z]
+    column[n - 2, d] = hess.constraint[n - 1, 2, z]
+    border = np.zeros_like(system.factor.rhs_border)
+    border[:2] = hess.edge_menisci[:, n, z]
+    if d == 3:
+        border[d + 5] = system.room.grad.holonomy[z, n]
+    return column, border
+
+
+def lowest_mode(
+    system: System, state: State, start: np.ndarray
+) -> tuple[float, np.ndarray, np.ndarray]:
+    """Return the lowest eigenvalue on the constraints (K0/D^4) and its mode, shaped like q and b.
+
+    Shifts bracket the eigenvalue (inertia), inverse iteration finds the vector. ``start`` has the shape
+    of q: a vector that is not orthogonal to the mode; its sign decides the mode's. The mode's largest
+    displacement is 1, its multipliers are zero.
+    """
+    low, high = 0.0, FIRST_SHIFT  # the lowest eigenvalue lies in (-high, -low)
+    while system.linearise(state, high) > 0:
+        low, high = high, 4 * high
+        if high > LARGEST_SHIFT:
+            return np.nan, np.zeros_like(state.q), np.zeros_like(state.b)
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        if system.linearise(state, middle) > 0:
+            low = middle
+        else:
+            high = middle
+    system.linearise(state, high)
+    weight, border_weight = inertia(system)
+    mode, border = start[1:].copy(), np.zeros_like(border_weight)
+    value = np.nan
+    for _ in range(SWEEPS):
+        right, right_border = weight * mode, border_weight * border
+        new, new_border = system.solve(right, right_border)
+        square = np.sum(right * mode) + right_border @ border
+        value = square / (np.sum(right * new) + right_border @ new_border) - high
+        largest = np.abs(new[weight > 0]).max()
+        mode, border = new / largest, new_border / largest
+    mode_q, mode_b = np.zeros_like(state.q), np.zeros_like(state.b)
+    mode_q[1:] = np.where(weight > 0, mode, 0.0)
+    mode_b[: X_C + system.dimension] = border[: X_C + system.dimension]
+    return float(value), mode_q, mode_b
+
+
+def inertia(system: System) -> tuple[np.ndarray, np.ndarray]:
+    """Return the metric of displacements: the nodes' dual lengths, and 1 for the drop and the menisci.
+
+    Shaped like the rows of q and the border; zero for multipliers and what is clamped.
+    """
+    rest = system.room.kin.rest
+    weight = np.zeros((system.edges, system.dimension + 1))
+    weight[:-1, :-1] = 0.5 * (rest[1:-2] + rest[2:-1])[:, None]
+    border = np.zeros_like(system.factor.rhs_border)
+    border[: X_C + system.dimension] = 1.0
+    return weight, border
