@@ -18,7 +18,7 @@ from derod.system import System
 FIRST_SHIFT = 1.0  # K0/D^4, of a soft mode's stiffness
 LARGEST_SHIFT = 1e12
 HALVINGS = 8  # of the bracket of the lowest eigenvalue
-SWEEPS = 30  # of inverse iteration
+SWEEPS, SETTLED = 30, 1e-10  # of inverse iteration, at most; relative change of its last one
 
 
 @dataclass(slots=True)
@@ -85,9 +85,11 @@ def lowest_mode(
         right, right_border = weight * mode, border_weight * border
         new, new_border = system.solve(right, right_border)
         square = np.sum(right * mode) + right_border @ border
-        value = square / (np.sum(right * new) + right_border @ new_border) - high
+        before, value = value, square / (np.sum(right * new) + right_border @ new_border) - high
         largest = np.abs(new[weight > 0]).max()
         mode, border = new / largest, new_border / largest
+        if abs(value - before) < SETTLED * high:
+            break
     mode_q, mode_b = np.zeros_like(state.q), np.zeros_like(state.b)
     mode_q[1:] = np.where(weight > 0, mode, 0.0)
     mode_b[: X_C + system.dimension] = border[: X_C + system.dimension]

@@ -20,8 +20,8 @@ from derod.core.bending import (
     fill_bending_gradient,
     fill_turns,
 )
-from derod.core.defect import add_defect_gradient, add_defect_hessian, defect_energy
 from derod.core.copying import copy_vector
+from derod.core.defect import add_defect_gradient, add_defect_hessian, defect_energy
 from derod.core.jit import inlined, kernel
 from derod.core.kinematics import measure
 from derod.core.layout import S_A, S_B, X_C, Gradient, Hessian, Kinematics, Mesh, Physics

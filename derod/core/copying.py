@@ -1,4 +1,4 @@
-"""Copies and scalings in place, which allocate nothing (an array assignment may make a copy of its source)."""
+"""Copies and scalings that allocate nothing (an array assignment may make a copy of its source)."""
 
 from __future__ import annotations
 

@@ -18,19 +18,19 @@ from typing import Any
 
 from numba import njit
 
-FLAGS = {"cache": True, "error_model": "numpy"}
+FLAGS: dict[str, Any] = {"cache": True, "error_model": "numpy", "_nrt": False}
 
 
 def kernel(function: Callable[..., Any]) -> Any:
     """Compile ``function`` by itself; it may not allocate."""
-    return njit(_nrt=False, **FLAGS)(function)
+    return njit(**FLAGS)(function)
 
 
 def inlined(function: Callable[..., Any]) -> Any:
     """Make ``function`` a part of each kernel that calls it; it may not allocate."""
-    return njit(_nrt=False, inline="always", **FLAGS)(function)
+    return njit(inline="always", **FLAGS)(function)
 
 
 def allocating_kernel(function: Callable[..., Any]) -> Any:
     """Compile ``function`` by itself, with numpy's allocations; not for the hot loop."""
-    return njit(_nrt=True, **FLAGS)(function)
+    return njit(**FLAGS | {"_nrt": True})(function)

@@ -13,7 +13,7 @@ from __future__ import annotations
 import numpy as np
 
 from derod.core.assembly import energies, gradient, hessian
-from derod.core.copying import copy_rows, copy_vector, scale_rows, scale_vector
+from derod.core.copying import copy_rows, copy_vector
 from derod.core.jit import inlined, kernel
 from derod.core.layout import S_A, S_B, X_C
 from derod.core.residual import excess

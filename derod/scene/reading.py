@@ -6,6 +6,7 @@ import difflib
 import os
 import tomllib
 from collections.abc import Mapping
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -147,6 +148,7 @@ def _read_value(key: str, rule: Key, value: Any, path: str | None) -> Any:
     return result
 
 
+@cache
 def _required(struct: type[Table]) -> set[str]:
     return {field.name for field in msgspec.structs.fields(struct) if field.required}
 

@@ -1,14 +1,15 @@
 """PyElastica on our two problems, set up as well as we know how to.
 
 A Cosserat rod: it bends, twists, and, unlike ours, stretches and shears; both are made stiff
-(``STIFFNESS``), which is what limits its time step. Its inertia is fictitious, so that rotation, shear
-and stretch allow the same step. What is done for it:
+(``Settings.stiffness``), which is what limits its time step. Its inertia is fictitious, so that rotation,
+shear and stretch allow the same step. What is done for it:
 
 - The clamps lie at the middles of the end elements (one element more than the rod has, half of it
   beyond each clamp): a clamp at a node's end would make every answer of first order.
 - The drop's forces are one jitted call, the exact gradient of a C1 energy (``forcing``); the drop itself
   follows the force on it.
-- Damping is uniform and analytical, its constant tuned; the push rises as a smooth step and holds.
+- Damping is uniform and analytical; the push rises as a smooth step and holds. Both times, the damping
+  and the stiffness are tuned (``python runs/peers.py tune``).
 """
 
 from __future__ import annotations
@@ -20,7 +21,6 @@ import numpy as np
 
 from bench.forcing import drop_forces
 
-STIFFNESS = 1e5  # K/D^2, against stretch and shear: tensions of 20 strain it by 2e-4
 MOBILITY = 0.05  # of the drop, D per unit of force and time
 
 
@@ -31,6 +31,13 @@ class Settings(NamedTuple):
     rise: float  # time of the push, sqrt(m D^4 / K) with the rod's mass 1 per length D
     hold: float  # time to settle afterwards
     damping: float  # 1/time
+    stiffness: float = 1e5  # K/D^2, against stretch and shear: tensions of 20 strain it by 2e-4
+
+    def __str__(self) -> str:
+        return (
+            f"push {self.rise:g}, hold {self.hold:g}, damping {self.damping:g}, "
+            f"stiffness {self.stiffness:.0e}"
+        )
 
 
 COMPILE = Settings(25, 1e-3, 0.0, 1.0)  # a few steps, so that no compilation is timed
@@ -45,7 +52,7 @@ class Problem(NamedTuple):
     drop: tuple[float, float, float] | None = None  # v0, rho, f_gamma
     kick: float = 1e-3  # D, out of the plane
     planar: bool = False
-    courant: float = 0.7  # time step, of h / sqrt(STIFFNESS); the largest that stays stable
+    courant: float = 0.7  # time step, of h / sqrt(stiffness); the largest that stays stable
 
 
 class Answer(NamedTuple):
@@ -130,7 +137,7 @@ def build(problem: Problem, settings: Settings):
         youngs_modulus=1.0,
         shear_modulus=1.0,
     )
-    rod.shear_matrix[:] = STIFFNESS * np.eye(3)[:, :, None]
+    rod.shear_matrix[:] = settings.stiffness * np.eye(3)[:, :, None]
     rod.bend_matrix[:] = np.diag([1.0, 1.0, problem.twisting])[:, :, None]
     inertia = 0.5 * h**2 * h
     rod.mass_second_moment_of_inertia[:] = inertia * np.eye(3)[:, :, None]
@@ -142,7 +149,7 @@ def build(problem: Problem, settings: Settings):
         odd = bump * (s - 0.5 * problem.length)
         rod.position_collection[0, 2:-2] += problem.kick * odd[2:-2]
     simulator.append(rod)
-    dt = problem.courant * h / np.sqrt(STIFFNESS)
+    dt = problem.courant * h / np.sqrt(settings.stiffness)
     simulator.constrain(rod).using(Clamps, shortening=problem.shortening, rise=settings.rise)
     simulator.dampen(rod).using(
         ea.AnalyticalLinearDamper, uniform_damping_constant=settings.damping, time_step=dt
