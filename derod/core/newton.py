@@ -17,7 +17,7 @@ from derod.core.copying import copy_rows, copy_vector
 from derod.core.jit import inlined, kernel
 from derod.core.layout import S_A, S_B, X_C
 from derod.core.residual import excess
-from derod.core.wall import wall_gap
+from derod.core.wall import stay_inside, wall_gap
 from derod.linalg.bordered import factorize, solve, solve_refined
 
 FIRST_SHIFT = 1.0  # K0/D^4, of a soft mode's stiffness; where a step fails
@@ -186,6 +186,7 @@ def newton_step(
                 tq[i, k] = q[i, k] + fraction * dq[i, k]
         for k in range(d + 5):
             tb[k] = b[k] + fraction * db[k]
+        stay_inside(physics, room.kin, q, b, tq, tb)
         for correction in range(CORRECTIONS + 1):
             if wall_gap(physics, room.kin, tq, tb) <= 0:
                 break

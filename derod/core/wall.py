@@ -12,10 +12,11 @@ from __future__ import annotations
 
 import math
 
-from derod.core.jit import inlined
+from derod.core.jit import inlined, kernel
 from derod.core.layout import S_A, S_B, X_C
 
 CORE = 0.01  # D
+CURVED = 0.5  # of the gap that a step leaves, below which it must follow the wall
 
 
 @inlined
@@ -54,6 +55,34 @@ def wall_gap(physics, kin, q, b):
     for i in range(kin.node_a, kin.node_b + 1):
         r2 = max(r2, squared_distance(physics, q, b, i))
     return 1 + physics.wall_softness - 2 * math.sqrt(r2)
+
+
+@kernel
+def stay_inside(physics, kin, q, b, moved_q, moved_b):
+    """Follow the wall where a straight step from (q, b) to (moved_q, moved_b) runs into its curve.
+
+    A step of length s along the wall comes nearer to it by s^2/2r, and a hard wall's gap is soon used up. A
+    node for which that matters is put back to the radius that the step's radial part leads to; this
+    changes the step to second order only.
+    """
+    d = len(physics.axis)
+    for i in range(kin.node_a, kin.node_b + 1):
+        r2, moved_r2, outward = 0.0, 0.0, 0.0
+        for k in range(d):
+            x = q[i, k] - b[X_C + k]
+            y = moved_q[i, k] - moved_b[X_C + k]
+            r2 += x * x
+            moved_r2 += y * y
+            outward += x * (y - x)
+        r, moved_r = math.sqrt(r2), math.sqrt(moved_r2)
+        if r == 0.0:
+            continue
+        radial = r + outward / r
+        if 1 + physics.wall_softness - 2 * moved_r > CURVED * (1 + physics.wall_softness - 2 * radial):
+            continue
+        for k in range(d):
+            y = moved_q[i, k] - moved_b[X_C + k]
+            moved_q[i, k] = moved_b[X_C + k] + radial / moved_r * y
 
 
 @inlined
