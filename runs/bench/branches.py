@@ -9,12 +9,13 @@ from pathlib import Path
 RUNS = Path(__file__).parents[1]
 
 
-def branches_of(scene: str) -> Path:
+def branches_of(scene: str, paths: str = "Ax,3D,L2,3D-L2") -> Path:
     """Return the branch file of a scene, computed if it is not there."""
-    path = RUNS / "out" / f"{scene}-branches.h5"
+    path = RUNS / "out" / f"{scene}-{paths.replace(',', '-')}.h5"
     if not path.exists():
         path.parent.mkdir(exist_ok=True)
         command = [sys.executable, "-m", "derod", "branch", str(RUNS / f"{scene}.toml")]
-        paths = ["--paths", "Ax,3D,L2,3D-L2", "--no-stability", "--quiet"]
-        subprocess.run([*command, "-o", str(path), *paths], check=True)
+        subprocess.run(
+            [*command, "-o", str(path), "--paths", paths, "--no-stability", "--quiet"], check=True
+        )
     return path

@@ -15,6 +15,7 @@ from unittest.mock import patch
 
 import numpy as np
 from hard.checks import Check
+from hard.hard_wall import pt_at_a_hard_wall
 
 import derod
 from derod.driver import frame_of
@@ -220,6 +221,7 @@ def poisoned() -> Trial:
 
 
 TRIALS = {
+    "Pt, wall to 1e-9, rho to 0.005": pt_at_a_hard_wall,
     "tangled starts": tangled_starts,
     "reversed at the clamp": reversed_at_the_clamp,
     "folded flat at the clamp": folded_flat,
