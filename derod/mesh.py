@@ -8,15 +8,20 @@ from derod.core.layout import Mesh
 from derod.scene.tables import Mesh as MeshOptions
 
 
-def wetted_mesh(options: MeshOptions) -> Mesh:
-    """Return the grid of a rod in a drop: a share of the edges wetted, the rest halved between the ends."""
+def wetted_mesh(options: MeshOptions, elastocapillary: float) -> Mesh:
+    """Return the grid of a rod in a drop: a share of the edges wetted, the rest halved between the ends.
+
+    The boundary layers beside the menisci are as wide as the elastocapillary length sqrt(K0/f_gamma), D.
+    """
     edges = options.edges
     inside = round(options.wetted_share * edges)
     inside += (edges - inside) % 2
     place = (np.arange(inside) + 0.5) / inside
     weights = np.exp(options.inner_grading * np.sin(np.pi * place) ** 2)
     fractions = weights / weights.sum()
-    return Mesh((edges - inside) // 2, fractions, quadrature(fractions), options.layer)
+    return Mesh(
+        (edges - inside) // 2, fractions, quadrature(fractions), options.layer * elastocapillary
+    )
 
 
 def dry_mesh(edges: int) -> Mesh:

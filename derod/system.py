@@ -58,7 +58,9 @@ class System:
             float(scene.rod.length),
             drop is not None,
         )
-        self.mesh = wetted_mesh(scene.mesh) if drop else dry_mesh(self.edges)
+        self.mesh = dry_mesh(self.edges)
+        if drop:
+            self.mesh = wetted_mesh(scene.mesh, self.physics.capillary_force**-0.5)
         self.room = assembly.new_room(self.mesh, self.physics)
         linear = self.room.linear
         rows, stride = linear.band.shape

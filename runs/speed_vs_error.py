@@ -45,7 +45,7 @@ MESHES = (50, 100, 200, 400, 800, 1600)
 QUICK = (50, 100, 200)
 GRADINGS: dict[str, dict[str, Any]] = {
     "default": {},
-    "uniform outside": {"mesh.layer": 100.0},
+    "uniform outside": {"mesh.layer": 500.0},
     "uniform inside": {"mesh.inner_grading": 0.0},
     "half the edges inside": {"mesh.wetted_share": 0.5},
 }

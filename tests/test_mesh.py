@@ -7,14 +7,14 @@ from derod.scene.tables import Mesh
 
 @pytest.mark.parametrize("edges", [12, 13, 100, 201])
 def test_fractions_fill_the_wetted_length_and_mirror(edges):
-    mesh = wetted_mesh(Mesh(edges=edges))
+    mesh = wetted_mesh(Mesh(edges=edges), 0.2)
     assert mesh.edges == edges
     assert mesh.inside.sum() == pytest.approx(1, abs=1e-14)
     assert mesh.inside == pytest.approx(mesh.inside[::-1], abs=1e-15)
 
 
 @pytest.mark.parametrize(
-    "fractions", [np.full(3, 1 / 3), np.full(8, 1 / 8), wetted_mesh(Mesh(edges=40)).inside]
+    "fractions", [np.full(3, 1 / 3), np.full(8, 1 / 8), wetted_mesh(Mesh(edges=40), 0.2).inside]
 )
 def test_quadrature_is_exact_for_cubics_and_mirrors(fractions):
     weights = quadrature(fractions)
@@ -28,7 +28,7 @@ def test_quadrature_is_exact_for_cubics_and_mirrors(fractions):
 def test_quadrature_of_a_graded_mesh_is_of_fourth_order():
     errors = []
     for edges in (40, 80, 160, 320):
-        mesh = wetted_mesh(Mesh(edges=edges))
+        mesh = wetted_mesh(Mesh(edges=edges), 0.2)
         nodes = np.concatenate(([0.0], np.cumsum(mesh.inside)))
         errors.append(abs(mesh.quadrature @ np.exp(3 * nodes) - np.expm1(3) / 3))
     rates = np.log2(np.array(errors[:-1]) / errors[1:])

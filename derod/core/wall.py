@@ -78,7 +78,9 @@ def stay_inside(physics, kin, q, b, moved_q, moved_b):
         if r == 0.0:
             continue
         radial = r + outward / r
-        if 1 + physics.wall_softness - 2 * moved_r > CURVED * (1 + physics.wall_softness - 2 * radial):
+        if 1 + physics.wall_softness - 2 * moved_r > CURVED * (
+            1 + physics.wall_softness - 2 * radial
+        ):
             continue
         for k in range(d):
             y = moved_q[i, k] - moved_b[X_C + k]

@@ -106,7 +106,7 @@ KEYS: dict[str, dict[str, Key]] = {
     "mesh": {
         "edges": Key(read_integer, lambda n: 12 <= n <= 100_000, "an integer from 12 to 100000"),
         "wetted_share": Key(read_number, lambda x: 0.3 <= x <= 0.8, "a share from 0.3 to 0.8"),
-        "layer": Key(read_quantity, lambda x: 1e-3 <= x <= LARGEST, "a length from 0.001"),
+        "layer": Key(read_number, lambda x: 0.01 <= x <= 1e3, "a number from 0.01 to 1000"),
         "inner_grading": Key(read_number, lambda x: 0.0 <= x <= 3.0, "a number from 0 to 3"),
     },
     "relax": {

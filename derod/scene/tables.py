@@ -68,8 +68,8 @@ class Mesh(Table, frozen=True, kw_only=True):
     """N; there are N + 1 nodes."""
     wetted_share: float = 0.65
     """Share of the edges inside the drop; the rest is halved between the ends."""
-    layer: float = 0.12
-    """D, over which the outer edges stay short beside a meniscus."""
+    layer: float = 0.5
+    """Where the outer edges stay short beside a meniscus, in elastocapillary lengths sqrt(K0/f_gamma)."""
     inner_grading: float = 0.9
     """Logarithm of the longest inner edge, in the drop's middle, over the shortest."""
 

@@ -13,6 +13,7 @@ from derod.scene.tables import Mesh as MeshOptions
 AXES = {2: (0.0, 1.0), 3: (0.0, 0.0, 1.0)}
 LENGTH = 3.0
 ROTATION = 1.0
+LAYER = 0.2  # elastocapillary length, D
 
 
 class Sample:
@@ -21,7 +22,7 @@ class Sample:
     def __init__(self, d: int, edges: int = 24, turns: float = 0.0, drop: bool = True) -> None:
         self.physics = Physics(AXES[d], 0.9, 20.0, 2e-2, 0.1, LENGTH, drop)
         options = MeshOptions(edges=edges, inner_grading=0.3)
-        self.mesh: Mesh = wetted_mesh(options) if drop else dry_mesh(edges)
+        self.mesh: Mesh = wetted_mesh(options, LAYER) if drop else dry_mesh(edges)
         self.room = assembly.new_room(self.mesh, self.physics)
         self.d, self.edges = d, edges
         self.psi = 0.0
