@@ -76,7 +76,7 @@ class Progress:
                 total=self._total / math.pi,
                 file=self._stream,
                 bar_format="{percentage:3.0f}%|{bar:24}| {desc}",
-                desc="compiling or loading kernels",
+                desc="compiling or loading kernels (the first time: half a minute)",
                 leave=True,
             )
 

@@ -40,3 +40,9 @@ def test_a_dry_mesh_is_uniform_and_has_no_wetted_part():
     assert mesh.edges == 7
     assert mesh.outside == 0
     assert mesh.quadrature.size == 0
+
+
+def test_strong_capillarity_gets_shorter_edges_beside_the_menisci():
+    weak, strong = (wetted_mesh(Mesh(edges=100), f**-0.5) for f in (20.0, 500.0))
+    assert weak.layer == pytest.approx(0.5 / np.sqrt(20))
+    assert weak.layer / strong.layer == pytest.approx(5)

@@ -64,7 +64,7 @@ def new_motion(edges: int, d: int) -> Motion:
     )
 
 
-@inlined
+@kernel
 def evaluate(physics, mesh, end_rotation, psi, room, q, b, inertia, motion):
     """Set mu in q and b and the forces in ``room``; return (psi, sound)."""
     d = len(physics.axis)
