@@ -22,7 +22,7 @@ def hard_wall(run: BaseRun) -> Check:
     """A planar loop of curvature 2/(1+rho) that costs 2/(1+rho)^2 of what wetting gains."""
     drop = run.scene.drop
     limit = drop.capillary_force - 2 / (1 + drop.wall_softness) ** 2
-    return "|t - (f - 2/(1+rho)^2)|", abs(run.table["end_tension"][-1] - limit), 0.1
+    return "t off f - 2/(1+rho)^2", abs(run.table["end_tension"][-1] - limit), 0.1
 
 
 def buckling(run: BaseRun) -> Check:
@@ -45,7 +45,7 @@ def snap(run: BaseRun) -> Check:
     """A snap past the fold of planar Ax, at 1.3312 pi, that loses energy."""
     snaps = [e for e in run.events if e.kind == "snap" and e.energy_after < e.energy_before]
     value = abs(snaps[0].end_shortening / np.pi - 1.3312) if snaps else np.inf
-    return "|snap - 1.3312 pi|, pi", value, 0.01
+    return "snap off 1.3312 pi, pi", value, 0.01
 
 
 def same_places(run: BaseRun, first: int, second: int) -> tuple[np.ndarray, np.ndarray]:

@@ -94,7 +94,7 @@ def pt_at_a_hard_wall() -> tuple[str, str, Check, str]:
         unstable = max(unstable, analyse(system, state).unstable_modes)
     system.gradient(state)
     limit = system.physics.capillary_force - 2
-    check = ("|t - (f_gamma - 2)|", abs(system.end_tension() - limit), 0.05)
+    check = ("t off f_gamma - 2", abs(system.end_tension() - limit), 0.05)
     gap = system.wall_gap(state)
     remark = f"{len(harder_walls())} walls, {iterations} iterations, gap {gap:.0e}"
     outcome = "converged" if unstable == 0 else f"{unstable} unstable modes in the plane"

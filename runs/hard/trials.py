@@ -30,6 +30,7 @@ from derod.system import System
 SCENE = Path(__file__).parents[1] / "paper-text.toml"
 Trial = tuple[str, str, Check, str]
 TANGLES = 24
+REVERSED = (0.3, 0.2, 0.1, 0.05, 0.02, 0.01)  # rad
 
 
 def paper(changes: dict | None = None) -> derod.Scene:
@@ -92,21 +93,30 @@ def tangled_starts() -> Trial:
 
 
 def reversed_at_the_clamp() -> Trial:
-    """The first edge points back into the clamp, 0.1 rad from the transport's singularity.
+    """The first edge points back into the clamp, up to 0.01 rad from the transport's singularity.
 
-    Implicit steps stall, and say so; explicit relaxation takes the rod back to the coil.
+    Explicit relaxation must take the rod back to the coil from each angle. Implicit steps may stall there,
+    but what they call settled must be the coil too.
     """
     scene = paper({"mesh.edges": 100, "push.stop": SHORTENING})
     system, run = System(scene), derod.push(scene)
-    state = decode(system, frame_of(run, len(run) - 1))
-    edge = state.q[1, 2]
-    state.q[1, :3] = edge * np.sin(0.1), 0.0, -edge * np.cos(0.1)
-    first = relax(make_relaxer("implicit"), system, state, descend=True)
-    second = relax(make_relaxer("fire"), system, state)
-    outcome = f"{first.outcome}, {second.outcome}"
-    away = abs(system.energy_hat(second.state) - run.table["energy_hat"][-1])
-    remark = f"implicit stalls, FIRE takes {second.iterations} steps"
-    return "stalled, converged", outcome, ("E_hat against the coil", away, 1e-7), remark
+    coil = decode(system, frame_of(run, len(run) - 1))
+    energy = run.table["energy_hat"][-1]
+    ends: dict[str, Counter[str]] = {"implicit": Counter(), "fire": Counter()}
+    away = 0.0
+    for angle in REVERSED:
+        state = coil.copy()
+        edge = coil.q[1, 2]
+        state.q[1, :3] = edge * np.sin(angle), 0.0, -edge * np.cos(angle)
+        for method, counted in ends.items():
+            solution = relax(make_relaxer(method), system, state, descend=True)
+            counted[str(solution.outcome)] += 1
+            if solution.converged:
+                away = max(away, abs(system.energy_hat(solution.state) - energy))
+    every = f"fire converged {len(REVERSED)}"
+    remark = ", ".join(f"implicit {name} {count}" for name, count in ends["implicit"].items())
+    outcome = ", ".join(f"fire {name} {count}" for name, count in ends["fire"].items())
+    return every, outcome, ("E_hat against the coil", away, 1e-7), remark
 
 
 def folded_flat() -> Trial:
