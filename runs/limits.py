@@ -4,10 +4,11 @@
     python runs/limits.py            kernels, shares of a push, LAPACK (a minute; more while kernels compile)
     python runs/limits.py --cold     the time from ``derod push`` to its end, kernels compiled or not
 
-Flops are counted by hand from the sources, for a rod in space: additions, multiplications, divisions and
-roots count one each, and a node in the drop is charged to 0.65 edges. The machine's peaks are measured in
-the same run, in numba as well: a scalar chain-free multiply-add, the same on vectors, and the triad
-a = b + s c in the first cache.
+Flops and bytes are counted by hand from the sources, for a rod in space: additions, multiplications,
+divisions and roots count one each, loads and stores 8 bytes, and a node in the drop is charged to 0.65 edges.
+The machine's peaks are measured in the same run, in numba as well: a scalar chain-free multiply-add, the same
+on vectors, and the triad a = b + s c in the first cache. A kernel's roof is the slower of its arithmetic (on
+vectors where its loops allow that) and its traffic with the first cache.
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ import tempfile
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import NamedTuple
 
 import derod
 
@@ -40,12 +42,27 @@ from derod.system import System
 HERE = Path(__file__).parent
 MESHES = (100, 200, 800)
 BATCHES, REPEATS = 12, 60
-FLOPS = {  # an edge, in space, with a drop
-    "kinematics": 75,
-    "forces and constraints": 330,
-    "Hessian, assembled": 2900,
-    "factorisation": 4 * 2 * (14 * 15 / 2 + 14 * 10 + 10 * 10),
-    "solution, refined": 3 * 4 * (4 * 14 + 4 * 10),
+
+
+class Work(NamedTuple):
+    """What a kernel does for an edge, in space, with a drop."""
+
+    flops: float
+    numbers: float  # loaded or stored, 8 bytes each
+    vectors: bool  # whether its loops can run on vectors
+
+    def roof(self, peak: dict[str, float]) -> float:
+        """Return the least time that the machine could take, ns: by arithmetic or by the first cache."""
+        speed = peak["vector" if self.vectors else "scalar"]
+        return max(self.flops / speed, 8 * self.numbers / peak["bytes"])
+
+
+WORK = {
+    "kinematics": Work(75, 85, True),
+    "forces and constraints": Work(330, 335, True),
+    "Hessian, assembled": Work(2900, 650, False),
+    "factorisation": Work(4 * 2 * (14 * 15 / 2 + 14 * 10 + 10 * 10), 3100, False),
+    "solution, refined": Work(3 * 4 * (4 * 14 + 4 * 10), 1000, False),
 }
 
 
@@ -181,16 +198,18 @@ def study() -> Iterator[str]:
         whole = implicit_step(system, state), explicit_step(system, state), *banded(system)
         measured[edges] = times, whole
     yield (
-        "\n| kernel | flops an edge | "
-        + " | ".join(f"ns an edge at {edges}" for edges in MESHES)
-        + " | GFlop/s at 200 | of the scalar peak |"
+        "\n| kernel | flops an edge | bytes an edge | roof, ns an edge | "
+        + " | ".join(f"measured at {edges}" for edges in MESHES)
+        + " | GFlop/s at 200 | roof / measured |"
     )
-    yield "|---|---|" + "---|" * (len(MESHES) + 2)
-    for kernel, flops in FLOPS.items():
+    yield "|---|---|---|---|" + "---|" * (len(MESHES) + 2)
+    for kernel, work in WORK.items():
         cells = [1e9 * measured[edges][0][kernel] / edges for edges in MESHES]
-        rate = flops / cells[1]
         numbers = " | ".join(f"{cell:.0f}" for cell in cells)
-        yield f"| {kernel} | {flops:.0f} | {numbers} | {rate:.1f} | {rate / best['scalar']:.2f} |"
+        yield (
+            f"| {kernel} | {work.flops:.0f} | {8 * work.numbers:.0f} | {work.roof(best):.0f} | {numbers} | "
+            f"{work.flops / cells[1]:.1f} | {work.roof(best) / cells[1]:.2f} |"
+        )
     yield (
         "\n| edges | implicit step, us | explicit step, us | dgbsv, us | with 11 right sides | "
         "step / dgbsv | / with 11 |"
