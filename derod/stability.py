@@ -12,11 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from derod.core.layout import X_C
+from derod.core.newton import FIRST_SHIFT, LARGEST_SHIFT
 from derod.state import State
 from derod.system import System
 
-FIRST_SHIFT = 1.0  # K0/D^4, of a soft mode's stiffness
-LARGEST_SHIFT = 1e12
 HALVINGS = 8  # of the bracket of the lowest eigenvalue
 SWEEPS, SETTLED = 30, 1e-10  # of inverse iteration, at most; relative change of its last one
 
