@@ -30,7 +30,7 @@ import derod
 # isort: split
 import numpy as np
 from bench.elastica import elastica_errors, elastica_scene, exact_elastica
-from bench.row import Row, write_csv
+from bench.row import Row, larger_error, write_csv
 from explicit_figures import time_per_step
 
 HERE = Path(__file__).parent
@@ -165,8 +165,8 @@ def tune() -> Iterator[str]:
 
 
 def error_of(row: Row) -> float:
-    """Return the larger of the errors of t and E_hat, of those that are known."""
-    return float(np.nanmax([row.tension_error, row.energy_error]))
+    """Return the error that a row is judged by."""
+    return larger_error(row.tension_error, row.energy_error)
 
 
 def step() -> Iterator[str]:

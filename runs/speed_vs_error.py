@@ -39,7 +39,7 @@ import derod
 import numpy as np
 from bench.branches import branches_of
 from bench.elastica import elastica_errors, elastica_scene
-from bench.row import Row, write_csv
+from bench.row import Row, larger_error, write_csv
 
 HERE = Path(__file__).parent
 MEASURED = HERE / "out" / "speed_vs_error.csv"
@@ -146,11 +146,6 @@ def table(rows: list[Row]) -> Iterator[str]:
         )
 
 
-def error_of(point: dict[str, Any]) -> float:
-    """Return the larger of the errors of t and E_hat, of those that are known."""
-    return float(np.nanmax([float(point["tension_error"]), float(point["energy_error"])]))
-
-
 def draw(path: Path) -> None:
     """Draw wall-clock against the larger of both errors, a panel a problem."""
     import matplotlib as mpl
@@ -183,7 +178,7 @@ def draw(path: Path) -> None:
             if not own:
                 continue
             line = "" if label in ("derod, other gradings", "PyElastica") else "-"
-            x = [error_of(p) for p in own]
+            x = [larger_error(float(p["tension_error"]), float(p["energy_error"])) for p in own]
             y = [float(p["wall"]) for p in own]
             axis.loglog(x, y, "o" + line, color=colour, label=label, markersize=5)
             for p, a, b in zip(own, x, y, strict=True):

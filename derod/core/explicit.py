@@ -233,9 +233,8 @@ def explicit_steps(
                 motion.force[0], motion.force[1] = b[X_C + d], b[X_C + d + 1]
                 memory[LEVEL] = RENEW * force
         power, speed2, force2 = accelerate(room, inertia, motion)
-        back = memory[SINCE] > 0 and power <= 0
-        way = -0.5 * memory[STEP]
-        if back:
+        if memory[SINCE] > 0 and power <= 0:
+            way = -0.5 * memory[STEP]
             stop(kinetic, memory)
         else:
             keep, kick = damp(kinetic, speed2, force2, memory)

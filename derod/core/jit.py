@@ -5,7 +5,8 @@ rounded differently in the last digit (each inlined copy is optimised by itself)
 was no longer the uninterrupted one bit for bit.
 
 Kernels have no memory manager (``_nrt=False``): numba refuses to compile one that allocates ("NRT required"),
-and no references are counted to the many arrays of their arguments.
+and no references are counted to the many arrays of their arguments. Nor may one return an array to
+a function that counts: a reference would be given back that was never taken (seen: a corrupted heap).
 
 A call that hands over ``Room``, sixty arrays, costs 0.2 us, and as many instructions as the work of a small
 mesh: terms are therefore ``inlined`` into the kernels that sum them up.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import math
 from collections.abc import Iterable
 from pathlib import Path
 from typing import NamedTuple
@@ -31,6 +32,11 @@ class Row(NamedTuple):
     shape_error: float = NAN  # D
     memory: float = NAN  # peak resident set of the process, MB
     note: str = ""
+
+
+def larger_error(tension_error: float, energy_error: float) -> float:
+    """Return the larger of the errors of t and E_hat, of those that are known."""
+    return max(error for error in (tension_error, energy_error) if not math.isnan(error))
 
 
 def write_csv(path: Path, rows: Iterable[Row]) -> None:
