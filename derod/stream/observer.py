@@ -82,6 +82,7 @@ class RelaxationWatch:
         self.increments = increments
         self._begin(-1)
         self._number = 0
+        self._unit = 1.0  # K0, of the states' forces
 
     def _begin(self, increment: int) -> None:
         self._increment = increment
@@ -90,7 +91,8 @@ class RelaxationWatch:
         self._wanted = self.increments is not None
 
     def start(self, scene: Scene, first_increment: int) -> None:
-        """Nothing to do yet."""
+        """Take the scene's bending stiffness, which states and residuals count in."""
+        self._unit = scene.rod.bending
 
     def relaxation(self, increment: int, iteration: int, state: State, report: Report) -> None:
         """One step of a relaxation toward ``increment``."""
@@ -105,12 +107,12 @@ class RelaxationWatch:
             {
                 "increment": increment,
                 "end_shortening": state.end_shortening,
-                "residual": report.residual,
+                "residual": report.residual * self._unit,
                 "positions": state.positions,
                 "drop_center": state.drop_center,
-                "edge_tension": state.edge_tension,
+                "edge_tension": state.edge_tension * self._unit,
                 "menisci": state.menisci,
-                "forces": state.forces,
+                "forces": tuple(force * self._unit for force in state.forces),
                 "holonomy": state.holonomy,
             }
         )
@@ -129,7 +131,7 @@ class RelaxationWatch:
 
     def finish(self, ending: Ending) -> None:
         """Show the last increment, also if it never settled."""
-        if ending.outcome in ("not_converged", "diverged"):
+        if ending.outcome in ("not_converged", "diverged", "out_of_balance"):
             self._wanted = True
         self._show()
 

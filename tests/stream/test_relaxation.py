@@ -91,3 +91,18 @@ def test_watching_changes_nothing():
     for name in plain.table.dtype.names:
         if name != "wall_time":
             assert plain.table[name] == pytest.approx(watched.table[name], abs=0), name
+
+
+def test_forces_are_in_units_of_the_scene():
+    """States count in K/D^2; what is shown is in K0/D^2, like the rows of the run."""
+    kept = Kept()
+    watch = RelaxationWatch(kept, frozenset([0]))
+    watch.start(small_scene().replace({"rod.bending": 2.0}), 0)
+    state = a_state()
+    state.q[1:, 3] = 3.0
+    watch.relaxation(0, 0, state, Report(1, 1.0, 0.5, True, True))
+    watch.frame(make_frame(0, 4))
+    (step,) = kept.steps
+    assert step.residual == 1.0
+    np.testing.assert_array_equal(step.edge_tension, 6.0)
+    assert step.forces == tuple(2 * force for force in state.forces)
