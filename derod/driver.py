@@ -10,18 +10,23 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
+from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from derod.descent import Descender, Descent, Noise
 from derod.encode import Settled, decode, encode
 from derod.errors import RecordError
 from derod.frames import Ending, Event, Frame, Observer, Outcome, RelaxationObserver
 from derod.guess import bent_guess
+from derod.ledger import Verdict, compare
+from derod.mesh import COARSE, edges_enough
 from derod.predict import predict
+from derod.relax import Outcome as RelaxOutcome
 from derod.relax import Report, Solution, make_relaxer, relax
 from derod.scene import Scene
-from derod.stability import Equilibrium, analyse, lowest_mode
+from derod.stability import Equilibrium, analyse
 from derod.state import State
 from derod.system import System
 
@@ -33,12 +38,11 @@ LEAST_STEP = 1e-4  # of push.max_step
 SHORT_STEP = 0.05  # of push.max_step; increments that converge are not made shorter than this
 GROW, SHRINK = 1.5, 0.5
 OUTER_LEAST = 0.01  # D; a rod with less outside the drop has run out
-MOST_KICKS = 6
-STRONGER = 4.0  # each kick than the one before
-JUMP = 0.05  # D a node may settle away from its prediction before the energy is looked at
-LOST_ENERGY = 1e-3  # K0/D lost beyond the work done that makes a jump a snap
-SNAP_STEP = 0.05  # of push.max_step: a fold is passed by an increment no longer than this
 LEAD_IN = 0.02 * np.pi  # D; a push that starts further in is led there from here
+FOLD_STEP = (
+    0.05  # of push.max_step, and no more than LEAD_IN / 20: a fold is passed by no longer increment
+)
+LEAVING = 0.02 * np.pi  # D, beyond which an instability is not left, but looked for nearer
 
 
 class Stuck(Exception):  # noqa: N818 - an ending, not an error
@@ -57,6 +61,7 @@ class Increment(NamedTuple):
     iterations: int
     residual: float
     smooth: bool
+    defect: float = 0.0  # energy beyond the end's work since the state before, K/D
 
 
 class Push:
@@ -77,6 +82,7 @@ class Push:
         self.state: State
         self.here: Equilibrium
         self.before: State | None = None
+        self.turning = 0.0  # rad, the largest at a node of the last row
 
     # -- the path
 
@@ -84,14 +90,21 @@ class Push:
         """Settle the first state, led in from a hair's breadth if it lies far in."""
         start = self.scene.push.start
         near = min(start, LEAD_IN)
-        solution = self.relax(bent_guess(self.system, near))
+        guess = bent_guess(self.system, near)
+        solution = self.relax(guess)
+        if not solution.converged:
+            solution = self.descender().descend(guess).solution
         if not solution.converged:
             raise Stuck(
                 outcome_of(solution),
                 f"no first equilibrium from the bent guess: {solution.message}",
             )
         self.recording = near == start
-        self.accept(self.settle_down(solution, smooth=False), landing=near == start)
+        here = self.analyse(solution.state)
+        increment = Increment(
+            solution.state, here, solution.iterations, solution.residual, smooth=False
+        )
+        self.accept(self.settle_down(increment), landing=near == start)
         if not self.recording:
             self.advance_to(start, [])
             self.recording = True
@@ -104,10 +117,11 @@ class Push:
         self.state = decode(self.system, frames[-1])
         if row["smooth"] and len(frames) == 2:
             self.before = decode(self.system, frames[0])
-        self.here = analyse(self.system, self.state)
+        self.here = self.analyse(self.state)
         self.step = float(row["next_step"])
         self.segment = int(row["segment"])
         self.count = len(run)
+        self.turning = float(row["turning_angle"])
         self.clock -= float(row["wall_time"])
 
     def run(self) -> Ending:
@@ -144,63 +158,138 @@ class Push:
     def attempt(self, target: float) -> Increment | None:
         """Try to settle at ``target``; return None, with a shorter step, where that must be retried."""
         length = abs(target - self.state.end_shortening)
+        increment, reason = self.follow(target)
+        if increment is not None:
+            self.adapt(length, increment.iterations)
+            return self.settle_down(increment)
+        if length > self.shortest():
+            self.step = max(SHRINK * length, 0.99 * self.shortest())
+            self.tell_halving(reason)
+            return None
+        return self.pass_over(target, reason)
+
+    def shortest(self) -> float:
+        """Return the length (D) of an increment that ends in a descent if the branch ends within it."""
+        fold = min(FOLD_STEP * self.max_step, FOLD_STEP * LEAD_IN)
+        stable = self.here.unstable_modes == 0
+        return fold if stable else LEAST_STEP * self.max_step
+
+    def follow(self, target: float) -> tuple[Increment | None, str]:
+        """Follow the branch to ``target``; return the increment, or None and why it may not stand."""
         guess = predict(self.system, self.state, self.here, self.before, target)
+        if guess is None:
+            return None, "no sound prediction reaches that far"
         solution = self.relax(guess)
         if not solution.converged:
-            self.retry(length, solution)
+            return None, solution.message
+        here = self.analyse(solution.state)
+        entry = compare(self.here, here)
+        if entry.verdict is not Verdict.BALANCED:
+            return None, entry.message
+        length = abs(target - self.state.end_shortening)
+        if here.unstable_modes > self.here.unstable_modes and length > LEAVING * (1 + 1e-9):
+            return None, f"{here.unstable_modes} unstable modes appear on the way"
+        increment = Increment(
+            solution.state, here, solution.iterations, solution.residual, True, entry.defect
+        )
+        return increment, ""
+
+    def pass_over(self, target: float, reason: str) -> Increment | None:
+        """Go down from the last state, moved to ``target``, where no neighbouring state was found.
+
+        At a fold that is the way along its soft mode to the next minimum.
+        """
+        length = abs(target - self.state.end_shortening)
+        start = self.state.copy()
+        start.clamp_at(target, self.system.physics.length)
+        descent = self.descender().descend(start)
+        if not descent.stable and not (descent.here and self.scene.noise.amplitude == 0):
+            self.shorten(length, descent.solution.outcome, descent.solution.message)
             return None
-        d = self.system.dimension
-        away = abs(solution.state.q[:, :d] - guess.q[:, :d]).max()
-        snapped = away > JUMP and self.lost_energy(solution.state) > LOST_ENERGY
-        if snapped and length > SNAP_STEP * self.max_step:
-            self.step = max(0.25 * length, 0.99 * SNAP_STEP * self.max_step)
+        here = descent.here
+        assert here is not None
+        entry = compare(self.here, here, along=False)
+        if entry.verdict is Verdict.GAINED:
+            self.shorten(length, None, entry.message)
             return None
-        if snapped:
+        if entry.verdict is Verdict.LOST or descent.kicks:
+            sides = descent.sides()
             self.tell(
                 "snap",
                 target,
-                self.system.energy_hat(self.state),
-                self.system.energy_hat(solution.state),
-                f"no neighbouring state; nodes moved {away:.3g} D from where the branch pointed",
+                self.here.energy + self.capillary_work(self.state.end_shortening),
+                here.energy + self.capillary_work(target),
+                f"the branch ends ({reason}); descended from {self.state.end_shortening:.6g} to the next "
+                f"minimum, nodes moved {self.moved(descent.solution.state):.3g} D{'; ' * bool(sides)}"
+                f"{sides}",
             )
-        increment = self.settle_down(solution, smooth=not snapped)
-        self.adapt(length, solution.iterations)
-        return increment
+        self.step = FIRST_STEP * self.max_step
+        return Increment(
+            descent.solution.state,
+            here,
+            descent.iterations,
+            descent.solution.residual,
+            False,
+            entry.defect,
+        )
+
+    def capillary_work(self, end_shortening: float) -> float:
+        """Return E_hat - E_tot, K/D."""
+        return self.system.physics.capillary_force * (end_shortening + 1)
+
+    def moved(self, state: State) -> float:
+        """Return how far a node moved from the present state, D."""
+        d = self.system.dimension
+        return float(np.abs(state.q[:, :d] - self.state.q[:, :d]).max())
 
     def relax(self, start: State, *, descend: bool = False) -> Solution:
         """Relax ``start``, under the eyes of those who want to see every step."""
-        if not self.watchers:
-            return relax(self.relaxer, self.system, start, descend=descend)
 
         def watch(iteration: int, state: State, report: Report) -> None:
             for observer in self.watchers:
                 observer.relaxation(self.count, iteration, state, report)
 
-        return relax(self.relaxer, self.system, start, watch=watch, descend=descend)
+        return relax(
+            self.relaxer,
+            self.system,
+            start,
+            watch=watch if self.watchers else None,
+            descend=descend,
+            kick=self.scene.noise.amplitude,
+        )
 
-    def retry(self, length: float, solution: Solution) -> None:
-        """Shorten the step after an increment that did not converge, or give up."""
+    def descender(self) -> Descender:
+        """Return what goes down to minima in the present increment."""
+        noise = self.scene.noise
+        return Descender(
+            self.system,
+            partial(self.relax, descend=True),
+            self.analyse,
+            Noise(noise.seed, self.count, noise.amplitude),
+        )
+
+    def analyse(self, state: State) -> Equilibrium:
+        """Measure a settled state."""
+        return analyse(self.system, state, self.relaxer.tolerance)
+
+    def shorten(self, length: float, outcome: RelaxOutcome | None, reason: str) -> None:
+        """Shorten the step after an increment that failed in every way, or give up."""
         self.step = SHRINK * length
         delta = self.state.end_shortening
         if self.step < LEAST_STEP * self.max_step:
             if self.system.outer_length(self.state) < 10 * OUTER_LEAST:
                 raise Stuck(Outcome.ROD_RAN_OUT, f"the outer rod ran out at {delta:.6g}")
+            kinds = {None: Outcome.OUT_OF_BALANCE, RelaxOutcome.DIVERGED: Outcome.DIVERGED}
             raise Stuck(
-                outcome_of(solution),
-                f"no convergence beyond {delta:.6g} with steps down to {self.step:.3g}: "
-                f"{solution.message}",
+                kinds.get(outcome, Outcome.NOT_CONVERGED),
+                f"no way on beyond {delta:.6g} with steps down to {self.step:.3g}: {reason}",
             )
-        self.tell("halving", delta, np.nan, np.nan, f"step to {self.step:.3g}: {solution.message}")
+        self.tell_halving(reason)
 
-    def lost_energy(self, new: State) -> float:
-        """Return the energy lost beyond the end's work, by the trapezoidal rule, K/D."""
-        tension = []
-        for state in (self.state, new):
-            self.system.gradient(state)
-            tension.append(self.system.end_tension())
-        work = -0.5 * sum(tension) * (new.end_shortening - self.state.end_shortening)
-        change = self.system.energies(new).total - self.system.energies(self.state).total
-        return work - change
+    def tell_halving(self, reason: str) -> None:
+        """Say that an increment is retried with a shorter step."""
+        delta = self.state.end_shortening
+        self.tell("halving", delta, np.nan, np.nan, f"step to {self.step:.3g}: {reason}")
 
     def adapt(self, length: float, iterations: int) -> None:
         """Set the next step from how hard this increment was."""
@@ -211,59 +300,46 @@ class Push:
 
     # -- stability
 
-    def settle_down(self, solution: Solution, *, smooth: bool) -> Increment:
-        """Count the unstable modes; where there are any, kick and descend until there are none."""
-        state, here = solution.state, analyse(self.system, solution.state)
-        iterations, residual = solution.iterations, solution.residual
-        amplitude = self.scene.noise.amplitude
-        if here.unstable_modes == 0 or amplitude == 0:
-            return Increment(state, here, iterations, residual, smooth)
-        before = self.system.energy_hat(state)
-        unstable = here.unstable_modes
-        value = np.nan
-        for attempt in range(MOST_KICKS):
-            value, kicked = self.kicked(state, amplitude * STRONGER**attempt, attempt)
-            solution = self.relax(kicked, descend=True)
-            iterations += solution.iterations
-            if not solution.converged:
-                continue
-            here = analyse(self.system, solution.state)
-            if here.unstable_modes == 0:
-                break
-            state = solution.state
-        else:
+    def settle_down(self, increment: Increment) -> Increment:
+        """Where a settled state has unstable modes, kick it and descend until there are none."""
+        state, here = increment.state, increment.here
+        if here.unstable_modes == 0 or self.scene.noise.amplitude == 0:
+            return increment
+        settled = Solution(
+            state, RelaxOutcome.CONVERGED, increment.iterations, increment.residual, ""
+        )
+        descent = self.descender().leave(settled, here)
+        if not descent.stable or descent.here is None:
             raise Stuck(
                 Outcome.NOT_CONVERGED,
-                f"{here.unstable_modes} unstable modes at {state.end_shortening:.6g} are left after "
-                f"{MOST_KICKS} kicks: {solution.message}",
+                f"{here.unstable_modes} unstable modes at {state.end_shortening:.6g} could not be left by "
+                f"{len(descent.kicks)} kicks: {descent.solution.message}",
             )
+        entry = compare(here, descent.here, along=False)
+        if entry.verdict is Verdict.GAINED:
+            raise Stuck(Outcome.OUT_OF_BALANCE, f"after a kick: {entry.message}")
+        potential = self.capillary_work(state.end_shortening)
         self.tell(
             "instability",
             state.end_shortening,
-            before,
-            self.system.energy_hat(solution.state),
-            f"{unstable} unstable modes, lowest eigenvalue {value:.4g}; kicked along it and descended",
+            here.energy + potential,
+            descent.here.energy + potential,
+            f"{here.unstable_modes} unstable modes, the lowest kicked; "
+            f"{descent.sides()}; descended, nodes moved {self.moved_from(state, descent):.3g} D",
         )
-        return Increment(solution.state, here, iterations, solution.residual, smooth=False)
+        return Increment(
+            descent.solution.state,
+            descent.here,
+            descent.iterations,
+            descent.solution.residual,
+            smooth=False,
+            defect=increment.defect + entry.defect,
+        )
 
-    def kicked(self, state: State, amplitude: float, attempt: int) -> tuple[float, State]:
-        """Return the lowest eigenvalue and the state moved along its mode by ``amplitude`` (D).
-
-        The mode's sign is the seed's choice.
-        """
-        noise = np.random.default_rng([self.scene.noise.seed, self.count, attempt])
-        start = noise.standard_normal(state.q.shape)
-        value, mode_q, mode_b = lowest_mode(self.system, state, start)
-        moved = state.copy()
-        moved.q += amplitude * mode_q
-        moved.b += amplitude * mode_b
-        gap = self.system.wall_gap(state)
-        while self.system.wall_gap(moved) < 0.2 * gap:
-            amplitude *= 0.5
-            moved = state.copy()
-            moved.q += amplitude * mode_q
-            moved.b += amplitude * mode_b
-        return value, moved
+    def moved_from(self, state: State, descent: Descent) -> float:
+        """Return how far a node moved in a descent, D."""
+        d = self.system.dimension
+        return float(np.abs(state.q[:, :d] - descent.solution.state.q[:, :d]).max())
 
     # -- the record
 
@@ -273,7 +349,7 @@ class Push:
         frame = self.record(increment, landing=landing) if self.recording else None
         self.state = increment.state if frame is None else decode(self.system, frame)
         unchanged = self.state.equals(increment.state)  # always, where K = K0
-        self.here = increment.here if unchanged else analyse(self.system, self.state)
+        self.here = increment.here if unchanged else self.analyse(self.state)
         self.before = previous if increment.smooth else None
         if self.system.outer_length(self.state) < OUTER_LEAST:
             raise Stuck(
@@ -293,13 +369,24 @@ class Push:
             smooth=increment.smooth,
             landing=landing,
             unstable_modes=increment.here.unstable_modes,
-            converged=True,
             residual=increment.residual,
+            work_defect=increment.defect,
             iterations=increment.iterations,
             next_step=self.step,
             wall_time=time.perf_counter() - self.clock,
         )
-        frame = encode(self.system, increment.state, settled)
+        frame = encode(self.system, increment.state, increment.here, settled)
+        turning = float(frame.row["turning_angle"])
+        if turning > COARSE >= self.turning:
+            self.tell(
+                "coarse",
+                increment.state.end_shortening,
+                np.nan,
+                np.nan,
+                f"the rod turns by {turning:.3g} rad at a node: the mesh is too coarse for the coil; "
+                f"{edges_enough(self.system.edges, turning)} edges would do",
+            )
+        self.turning = turning
         for observer in self.observers:
             observer.frame(frame)
         self.count += 1

@@ -11,6 +11,7 @@ import numpy as np
 
 from derod.core.layout import S_A, S_B, X_C
 from derod.frames import ROW, Frame
+from derod.stability import Equilibrium
 from derod.state import State
 from derod.system import System
 
@@ -23,28 +24,32 @@ class Settled(NamedTuple):
     smooth: bool
     landing: bool
     unstable_modes: int
-    converged: bool
-    residual: float
+    residual: float  # K/D^2
+    work_defect: float  # K/D
     iterations: int
     next_step: float
     wall_time: float
 
 
-def encode(system: System, state: State, settled: Settled) -> Frame:
-    """Return the frame of a settled state."""
+def encode(system: System, state: State, here: Equilibrium, settled: Settled) -> Frame:
+    """Return the frame of a settled state, with what was measured there."""
     unit = system.bending
-    system.gradient(state)
-    energies = system.energies(state)
+    energies = here.energies
     s_a, s_b = state.menisci
     row = np.zeros(1, ROW)[0]
     for name, value in settled._asdict().items():
         row[name] = value
     row["residual"] = settled.residual * unit
+    row["work_defect"] = settled.work_defect * unit
+    row["converged"] = here.settled
+    row["turning_angle"] = here.turning
     row["end_shortening"] = state.end_shortening
     row["end_rotation"] = system.end_rotation
-    row["end_tension"] = system.end_tension() * unit
+    row["end_tension"] = here.tension * unit
     row["energy_total"] = energies.total * unit
-    row["energy_hat"] = system.energy_hat(state) * unit
+    row["energy_hat"] = (
+        energies.total + system.physics.capillary_force * (state.end_shortening + 1)
+    ) * unit
     row["energy_bend"] = energies.bend * unit
     row["energy_twist"] = energies.twist * unit
     row["energy_wall"] = energies.wall * unit
@@ -54,7 +59,7 @@ def encode(system: System, state: State, settled: Settled) -> Frame:
     row["force_a"], row["force_b"] = (f * unit for f in state.forces)
     row["holonomy"] = state.holonomy
     row["slide_force"] = state.slide_force * unit
-    row["wall_gap"] = system.wall_gap(state)
+    row["wall_gap"] = here.wall_gap
     return Frame(
         row,
         state.positions,

@@ -39,9 +39,17 @@ ROW = np.dtype(
         ("slide_force", "f8"),  # multiplier of the pinned sliding mode, zero up to discretisation
         ("wall_gap", "f8"),  # least 1 + rho - 2 r over the wetted nodes
         ("unstable_modes", "i4"),
-        ("converged", "?"),
+        (
+            "converged",
+            "?",
+        ),  # whether the residual, taken anew from what is recorded, meets its tolerance
         ("residual", "f8"),
         ("iterations", "i4"),
+        (
+            "work_defect",
+            "f8",
+        ),  # energy beyond the end's work since the row before, zero but for snaps
+        ("turning_angle", "f8"),  # the largest at a node
         ("segment", "i4"),  # which leg of push.stop: 0, 1, ...
         ("smooth", "?"),  # reached along the branch from the row before: no kick, no snap
         ("landing", "?"),  # this end-shortening was asked for in push.at, or is a turning point
@@ -70,8 +78,9 @@ class Event:
     """Something that happened between two frames.
 
     kind: "instability" (a kick along an unstable mode and the descent from it), "snap" (no
-    neighbouring state: descent over a fold), "halving" (an increment did not converge and is
-    retried), "turn" (a turning point of push.stop).
+    neighbouring state: descent over a fold), "halving" (an increment did not converge, or its
+    energy did not balance, and is retried), "turn" (a turning point of push.stop), "coarse" (a warning:
+    the mesh is too coarse for the coil).
     """
 
     increment: int  # the frame that follows it
@@ -89,6 +98,7 @@ class Outcome(StrEnum):
     ROD_RAN_OUT = "rod_ran_out"
     NOT_CONVERGED = "not_converged"
     DIVERGED = "diverged"
+    OUT_OF_BALANCE = "out_of_balance"  # only states were found that gain energy over the end's work
     INTERRUPTED = "interrupted"
     RECORD_FAILED = "record_failed"
 
@@ -125,5 +135,6 @@ class RelaxationObserver(Protocol):
     def relaxation(self, increment: int, iteration: int, state: State, report: Report) -> None:
         """A step toward the frame ``increment``, which may need several relaxations.
 
-        The state is the relaxation's own: copy what shall be kept.
+        The state is the relaxation's own: copy what shall be kept. Its forces, and the report's, are in units
+        of the scene's bending stiffness over D^2.
         """

@@ -2,43 +2,34 @@
 
 from __future__ import annotations
 
+from derod.core.prediction import extrapolate
 from derod.stability import Equilibrium
 from derod.state import State
 from derod.system import System
 
 LONGEST_LOOK_AHEAD = 2.5  # of the last increment, for the second order
-FARTHEST = 0.25  # D a node may be predicted to move, or the prediction is not trusted
 
 
 def predict(
     system: System, state: State, here: Equilibrium, before: State | None, target: float
-) -> State:
-    """Return a guess of the state at end-shortening ``target`` (D).
+) -> State | None:
+    """Return a guess of the state at end-shortening ``target`` (D), or None where none is sound.
 
     Second order where ``before``, the state before on the same branch, is near enough; first order
-    otherwise; the state itself with its clamp moved where the slope would carry it out of the wall or
-    too far (at a fold the slope is infinite).
+    otherwise; along the wall's curve where a straight prediction runs into it. Near a joint or a fold the
+    slope is steep, and only a shorter step has a sound guess (``core.prediction``).
     """
     h = target - state.end_shortening
-    for bend in (True, False):
-        if bend and before is None:
-            continue
-        guess = state.copy()
-        guess.q += h * here.slope_q
-        guess.b += h * here.slope_b
-        if bend and before is not None:
-            back = before.end_shortening - state.end_shortening
-            ratio = h / back
-            if not abs(ratio) <= LONGEST_LOOK_AHEAD:
-                continue
-            # before = state + back slope + back^2 curve / 2
-            guess.q += ratio**2 * (before.q - state.q - back * here.slope_q)
-            guess.b += ratio**2 * (before.b - state.b - back * here.slope_b)
-        guess.clamp_at(target, system.physics.length)
-        d = state.dimension
-        moved = abs(guess.q[:, :d] - state.q[:, :d]).max()
-        if moved < FARTHEST and system.wall_gap(guess) > 0.2 * system.wall_gap(state):
-            return guess
+    back = 0.0 if before is None else before.end_shortening - state.end_shortening
+    old = state if before is None else before
+    orders = (back, 0.0) if back != 0.0 and abs(h / back) <= LONGEST_LOOK_AHEAD else (0.0,)
     guess = state.copy()
-    guess.clamp_at(target, system.physics.length)
-    return guess
+    for follow_wall in (False, True):
+        for reach in orders:
+            if extrapolate(
+                system.physics, system.room.kin, state.q, state.b, here.slope_q, here.slope_b, h,
+                old.q, old.b, reach, follow_wall, guess.q, guess.b,
+            ):  # fmt: skip
+                guess.clamp_at(target, system.physics.length)
+                return guess
+    return None

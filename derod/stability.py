@@ -14,7 +14,7 @@ import numpy as np
 from derod.core.layout import X_C
 from derod.core.newton import FIRST_SHIFT, LARGEST_SHIFT
 from derod.state import State
-from derod.system import System
+from derod.system import Energies, System
 
 HALVINGS = 8  # of the bracket of the lowest eigenvalue
 SWEEPS, SETTLED = 30, 1e-10  # of inverse iteration, at most; relative change of its last one
@@ -22,21 +22,53 @@ SWEEPS, SETTLED = 30, 1e-10  # of inverse iteration, at most; relative change of
 
 @dataclass(slots=True)
 class Equilibrium:
-    """What the linearisation at a settled state tells."""
+    """What a settled state and the linearisation there tell; in units of the rod's bending stiffness."""
 
+    end_shortening: float  # delta, D
+    holonomy: float  # psi, radians
+    energies: Energies
+    energy: float  # E_tot
+    tension: float  # t
+    settled: bool  # the residual meets the scene's tolerance
+    turning: float  # radians, the largest turning angle at a node
+    wall_gap: float  # D
     unstable_modes: int
     slope_q: np.ndarray  # dq/ddelta
     slope_b: np.ndarray  # db/ddelta
+    stiffness: float  # dt/ddelta along the branch
 
 
-def analyse(system: System, state: State) -> Equilibrium:
-    """Count the unstable modes of a settled state and take its slope along the branch."""
+def analyse(system: System, state: State, tolerance: float | None = None) -> Equilibrium:
+    """Measure a settled state, count its unstable modes and take its slope along the branch.
+
+    ``tolerance`` (K0/D^2) is what its residual is held to, the scene's if None.
+    """
     count = system.linearise(state)
-    solution, border = system.solve(*clamp_column(system))
+    tension = system.end_tension()
+    excess, _ = system.excess(system.tolerance if tolerance is None else tolerance)
+    turning = system.largest_turning()
+    column, column_border = clamp_column(system)
+    solution, border = system.solve(column, column_border)
+    own = system.room.hess.edge[system.edges, system.dimension - 1, system.dimension - 1]
+    stiffness = float(np.sum(column * solution) + column_border @ border - own)
     slope_q = np.zeros_like(state.q)
     slope_q[1:] = solution
     slope_q[-1, system.dimension - 1] = -1.0
-    return Equilibrium(count, slope_q, border[: state.b.size])
+    energies = system.energies(state)
+    return Equilibrium(
+        end_shortening=state.end_shortening,
+        holonomy=state.holonomy,
+        energies=energies,
+        energy=energies.total,
+        tension=tension,
+        settled=excess <= 1,
+        turning=turning,
+        wall_gap=system.wall_gap(state),
+        unstable_modes=count,
+        slope_q=slope_q,
+        slope_b=border[: state.b.size],
+        stiffness=stiffness,
+    )
 
 
 def clamp_column(system: System) -> tuple[np.ndarray, np.ndarray]:

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from derod.mesh import COARSE, edges_enough
 from derod.record import BaseRun, Run
 from derod.scene import Scene
 
@@ -18,6 +19,8 @@ RANGES = (
     "holonomy",
     "wall_gap",
     "residual",
+    "work_defect",
+    "turning_angle",
 )
 LANDING_HEAD = "  increment   delta/pi          t      E_hat     wetted  unstable   residual"
 
@@ -36,7 +39,7 @@ def summary_lines(run: BaseRun) -> Iterator[str]:
         return
     yield from landing_lines(run.table)
     yield from event_lines(run)
-    yield from range_lines(run.table)
+    yield from range_lines(run.table, run.scene.mesh.edges)
     if run.extrapolated is not None:
         yield from error_lines(run.extrapolated)
 
@@ -110,11 +113,18 @@ def event_lines(run: BaseRun) -> Iterator[str]:
         )
 
 
-def range_lines(table: np.ndarray) -> Iterator[str]:
+def range_lines(table: np.ndarray, edges: int) -> Iterator[str]:
     """The range of the main fields, and the worst row."""
     yield "ranges"
     for name in RANGES:
         yield f"  {name:16}{np.min(table[name]):12.6g} to {np.max(table[name]):.6g}"
+    coarsest = table[np.argmax(table["turning_angle"])]
+    if coarsest["turning_angle"] > COARSE:
+        yield (
+            f"warning: the mesh is too coarse for the coil, which turns by "
+            f"{coarsest['turning_angle']:.3g} rad at a node at {coarsest['end_shortening'] / math.pi:.5f} pi; "
+            f"{edges_enough(edges, float(coarsest['turning_angle']))} edges would do"
+        )
     worst = table[np.argmax(table["residual"])]
     yield (
         f"worst residual {worst['residual']:.2e} at increment {worst['increment']}, "

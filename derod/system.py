@@ -12,7 +12,7 @@ import numpy as np
 
 from derod.core import assembly, newton
 from derod.core.grid import lay_grid
-from derod.core.layout import Physics
+from derod.core.layout import X_C, Physics
 from derod.core.residual import excess
 from derod.core.wall import wall_gap
 from derod.linalg.bordered import new_factor, solve_refined
@@ -20,6 +20,9 @@ from derod.mesh import dry_mesh, wetted_mesh
 from derod.scene import Scene
 from derod.state import State
 
+PROJECTION = 1.0  # K0/D^4, the shift at which a projection's metric is tried first
+PROJECTIONS = 100  # damped steps toward the constraints, at most
+DAMPINGS = 10  # halvings of such a step
 AXES = {2: (0.0, 1.0), 3: (0.0, 0.0, 1.0)}
 
 
@@ -101,7 +104,7 @@ class System:
                 return f"the {name} is not a number at node {bad[0]}"
         if not (np.isfinite(state.b).all() and np.isfinite(self.room.rb).all()):
             return "the drop or a meniscus is not a number"
-        return "an edge has no length, or a node is outside the wall"
+        return "an edge has no length or cannot get its own, or a node is outside the wall"
 
     def end_tension(self) -> float:
         """Return t, the axial force on the end clamp, from the gradient last taken."""
@@ -126,6 +129,10 @@ class System:
         return self.energies(state).total + self.physics.capillary_force * (
             state.end_shortening + 1
         )
+
+    def largest_turning(self) -> float:
+        """Return the largest turning angle at a node, radians, from the state last measured."""
+        return float(np.arccos(1 - self.room.kin.fall.max()))
 
     def outer_length(self, state: State) -> float:
         """Return the shorter length outside the drop, D; without a drop, the whole rod's."""
@@ -154,6 +161,64 @@ class System:
                 shift,
             )
         )
+
+    def project(self, state: State) -> bool:
+        """Move a state onto its constraints by the least energy; return False where that fails.
+
+        Near them at once, from afar by damped steps. The gradient there is in the room. On failure the
+        state is where the attempt ended.
+        """
+        for _ in range(PROJECTIONS):
+            shift = PROJECTION
+            while self.linearise(state, shift) != 0:
+                shift *= newton.RAISE
+                if shift > newton.LARGEST_SHIFT:
+                    return False
+            near = state.copy()
+            near.holonomy, sound, _ = newton.restore(
+                self.physics,
+                self.mesh,
+                self.end_rotation,
+                near.holonomy,
+                self.room,
+                self.factor,
+                near.q,
+                near.b,
+            )
+            if sound:
+                state.q[:], state.b[:], state.holonomy = near.q, near.b, near.holonomy
+                return True
+            if not self.step_toward_lengths(state):
+                return False
+        return False
+
+    def step_toward_lengths(self, state: State) -> bool:
+        """Take one damped step toward the constraints, with the factor at hand; False if none helps."""
+        d = self.dimension
+        if not self.gradient(state):
+            return False
+        right, border = np.zeros_like(state.q[1:]), np.zeros_like(self.factor.rhs_border)
+        right[:, d] = -self.room.r[1:, d]
+        border[X_C + d : d + 5] = -self.room.rb[X_C + d :]
+        step, border_step = self.solve(right, border)
+        before, gap = self.violation(), self.wall_gap(state)
+        turned = np.linalg.norm(np.diff(step[:, :d], axis=0, prepend=0.0), axis=1)
+        fraction = float(min(1.0, newton.MOST_ROTATION / np.max(turned / self.room.kin.rest[1:-1])))
+        for _ in range(DAMPINGS):
+            moved = state.copy()
+            moved.q[1:] += fraction * step
+            moved.b += fraction * border_step[: state.b.size]
+            inside = self.wall_gap(moved) > (1 - newton.MOST_GAP_USED) * gap
+            if inside and self.gradient(moved) and self.violation() < (1 - 0.1 * fraction) * before:
+                state.q[:], state.b[:], state.holonomy = moved.q, moved.b, moved.holonomy
+                return True
+            fraction *= 0.5
+        return False
+
+    def violation(self) -> float:
+        """Return the sum of the violations of all constraints, D, from the gradient last taken."""
+        d = self.dimension
+        return float(np.abs(self.room.r[1:, d]).sum() + np.abs(self.room.rb[X_C + d :]).sum())
 
     def solve(self, right: np.ndarray, right_border: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Solve with the Hessian that was factored last.

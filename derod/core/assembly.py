@@ -97,6 +97,15 @@ def energies(physics, q, b, psi, end_rotation, room):
     )
 
 
+@inlined
+def total_energy(physics, q, b, psi, end_rotation, room):
+    """Return E_tot, the sum of all ``energies``."""
+    total = 0.0
+    for part in energies(physics, q, b, psi, end_rotation, room):
+        total += part
+    return total
+
+
 @kernel
 def measured_energies(physics, mesh, q, b, psi, end_rotation, room):
     """Measure a state and return its ``energies``."""

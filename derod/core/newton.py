@@ -1,35 +1,77 @@
-"""One implicit damped step: pseudo-transient far from equilibrium, Newton near it.
+"""One implicit damped step: Newton's along a branch, or downhill.
 
     (H + shift M) dz = -residual
 
-with M the dual lengths. Where a plain Newton step fails, or where only descent is wanted, the shift is
-raised until the energy has no direction of negative curvature left on the constraints: a step is then
-downhill. It falls to zero on approach, and the steps converge quadratically. Steps are limited by the
-gap to the wall (a barrier), by the rotation of an edge and by the lengths of the three regions.
+with M the dual lengths. *Following* a branch, the shift is zero and the state, stable or not, is trusted
+only within a region round the one that was predicted. *Descending*, the shift is raised until the energy has
+no direction of negative curvature left on the constraints, lengths are restored within the step, and it is
+taken only if the energy on the constraints falls; the shift drops to zero where the energy is convex, and the
+steps are Newton's there. Steps are limited by the gap to the wall (a barrier), by the rotation of an edge
+and by the lengths of the three regions.
 """
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
-from derod.core.assembly import energies, gradient, hessian
+from derod.core.assembly import gradient, hessian, total_energy
 from derod.core.copying import copy_rows, copy_vector
 from derod.core.jit import inlined, kernel
 from derod.core.layout import S_A, S_B, X_C
-from derod.core.residual import excess
+from derod.core.residual import EPS, excess
 from derod.core.wall import stay_inside, wall_gap
 from derod.linalg.bordered import factorize, solve, solve_refined
 
-FIRST_SHIFT = 1.0  # K0/D^4, of a soft mode's stiffness; where a step fails
-LEAST_SHIFT = 1e-4  # where there is negative curvature: near a pitchfork it is small
+FIRST_SHIFT = 1.0  # K0/D^4, of a soft mode's stiffness
+LEAST_SHIFT = (
+    1e-4  # where there is negative curvature, or a step fails: near a pitchfork it is small
+)
 LARGEST_SHIFT = 1e12
-RAISE, LOWER = 8.0, 0.2
-MOST_ROTATION = 0.5  # rad of an edge in one step
+RAISE, LOWER = 4.0, 0.2
+MOST_ROTATION = 0.5  # rad of an edge in one step, before and after lengths are restored
 MOST_GAP_USED = 0.7
 MOST_REGION_USED = 0.5
 TRIALS = 40
 ENERGY_ROUNDING = 1e-13  # of f_gamma l, below which energies cannot tell two states apart
-CORRECTIONS = 3  # of a trial's lengths, before its merit condemns it
+ARMIJO = 1e-4  # of the decrease that the slope promises, the least that a descending step must show
+FALL = 0.1  # of the residual, the least share of what the step takes away that a followed step must show
+HALVINGS = 4  # of a followed step
+CORRECTIONS = 3  # of a followed trial's lengths, before it is condemned
+RESTORATIONS = 12  # of a descending trial's lengths, at most
+STRAIN = 1e-11  # relative, to which a descending step restores lengths
+SHARP = 1 - np.cos(2.9)  # 1 - cos of a turning angle near pi: beyond it, another link begins
+FARTHEST = 0.15  # D that a node may lie from where the branch was predicted
+TURNED = 0.6  # rad that an edge may be turned from it
+KICK_GAIN = (
+    1 / 256
+)  # of shift a^2: what a kick by a along a mode gains (the shift is up to 4 |eigenvalue|)
+
+ACCEPTED, STALLED, STRAYED = 0, 1, 2  # what became of a step
+
+
+class Rules(NamedTuple):
+    """What a step must keep to."""
+
+    tolerance: float  # K0/D^2, of the residual force
+    descend: bool  # downhill, to a minimum; else along the branch
+    kick: float  # D, the kick that would leave a saddle met on the way down
+
+
+class Work(NamedTuple):
+    """Arrays a step works in."""
+
+    origin: np.ndarray  # (N+1, d+1) q as it was predicted
+    dq: np.ndarray  # (N+1, d+1) the step
+    db: np.ndarray  # (d+5,)
+    tq: np.ndarray  # (N+1, d+1) the trial state
+    tb: np.ndarray  # (d+5,)
+
+
+def new_work(q: np.ndarray, b: np.ndarray) -> Work:
+    """Return arrays for steps from the predicted state (q, b)."""
+    return Work(q.copy(), np.zeros_like(q), np.zeros_like(b), np.zeros_like(q), np.zeros_like(b))
 
 
 @kernel
@@ -88,39 +130,82 @@ def longest_step(physics, kin, q, b, dq, db):
     return fraction
 
 
-@kernel
-def merit(physics, q, b, psi, end_rotation, penalty, room):
-    """Return E_tot plus ``penalty`` times the violated constraints (exact for a large penalty)."""
+@inlined
+def constrained_energy(physics, q, b, psi, end_rotation, room, work, old_q, old_b):
+    """Return the energy that the state has on the constraints, to second order in their violation.
+
+    That is E_tot + lambda g with the multipliers after a full step. The gradient must have been taken.
+    """
     d = len(physics.axis)
-    e = energies(physics, q, b, psi, end_rotation, room)
-    violation = 0.0
+    energy = total_energy(physics, q, b, psi, end_rotation, room)
     for i in range(1, q.shape[0]):
-        violation += abs(room.r[i, d])
+        energy += (old_q[i, d] + work.dq[i, d]) * room.r[i, d]
     for k in range(X_C + d, d + 5):
-        violation += abs(room.rb[k])
-    return e[0] + e[1] + e[2] + e[3] + penalty * violation
+        energy += (old_b[k] + work.db[k]) * room.rb[k]
+    return energy
 
 
 @inlined
-def largest_multiplier(q, b, dq, db, d):
-    """Return the largest multiplier before or after a full step, K0/D^2."""
-    largest = 0.0
-    for i in range(1, q.shape[0]):
-        largest = max(largest, abs(q[i, d]), abs(q[i, d] + dq[i, d]))
-    for k in range(X_C + d, d + 5):
-        largest = max(largest, abs(b[k]), abs(b[k] + db[k]))
-    return largest
+def promised_decrease(work, room, d):
+    """Return -dE along the step, to first order: the residual times the displacements."""
+    fall = 0.0
+    for i in range(1, work.dq.shape[0] - 1):
+        for k in range(d):
+            fall -= room.r[i, k] * work.dq[i, k]
+    for k in range(X_C + d):
+        fall -= room.rb[k] * work.db[k]
+    return fall
 
 
 @inlined
-def restore_lengths(room, factor, tq, tb):
-    """Move a trial state back toward its constraints, with the factor at hand.
+def strain(physics, room):
+    """Return the largest violation of a constraint, in units of what a descending step may leave."""
+    d = len(physics.axis)
+    rounding = 8 * EPS * physics.length
+    worst = 0.0
+    for i in range(1, room.r.shape[0]):
+        worst = max(worst, abs(room.r[i, d]) / (STRAIN * room.kin.rest[i] + rounding))
+    for k in range(X_C + d, d + 5):
+        worst = max(worst, abs(room.rb[k]) / (STRAIN + rounding))
+    return worst
+
+
+@inlined
+def beyond(kin, q, origin, place, rotation):
+    """Return whether a node is farther than ``place`` from ``origin``, or an edge turned by more.
+
+    The tangents in ``kin`` are those of ``q``.
+    """
+    d = q.shape[1] - 1
+    least = np.cos(rotation)
+    for i in range(1, q.shape[0]):
+        far, along, square = 0.0, 0.0, 0.0
+        for k in range(d):
+            far += (q[i, k] - origin[i, k]) ** 2
+            edge = origin[i, k] - origin[i - 1, k]
+            along += kin.tangent[k, i] * edge
+            square += edge * edge
+        if not (far <= place * place and along >= least * np.sqrt(square)):
+            return True
+    return False
+
+
+@inlined
+def sharpest(kin):
+    """Return the largest 1 - cos of a turning angle."""
+    worst = 0.0
+    for i in range(kin.fall.size):
+        worst = max(worst, kin.fall[i])
+    return worst
+
+
+@inlined
+def solve_lengths(room, factor, d, n):
+    """Fill the correction that takes the constraints' violation to zero, with the factor at hand.
 
     A step along a curved, soft valley is tangent to the constraints and violates them to second order;
     charged with that, good steps would be refused (Maratos' effect).
     """
-    d = tq.shape[1] - 1
-    n = tq.shape[0] - 1
     x, y = factor.rhs, factor.rhs_border
     x[:] = 0.0
     y[:] = 0.0
@@ -129,89 +214,201 @@ def restore_lengths(room, factor, tq, tb):
     for k in range(X_C + d, d + 5):
         y[k] = -room.rb[k]
     solve(factor, x, y)
-    for i in range(1, n + 1):
-        for k in range(d + 1):
-            tq[i, k] += x[(d + 1) * (i - 1) + k]
-    for k in range(d + 5):
-        tb[k] += y[k]
 
 
 @kernel
-def newton_step(
-    physics, mesh, end_rotation, tolerance, descend, shift, psi, room, factor, q, b, dq, db, tq, tb
-):
-    """Improve the state (q, b, psi) in place by one damped step.
+def solve_step(room, factor, work):
+    """Fill the step (dq, db) that takes the residual to zero, with the factor at hand."""
+    dq = work.dq
+    d = dq.shape[1] - 1
+    n = dq.shape[0] - 1
+    x, y = factor.rhs, factor.rhs_border
+    x[:] = 0.0
+    y[:] = 0.0
+    for i in range(1, n + 1):
+        for k in range(d + 1):
+            if i < n or k == d:
+                x[(d + 1) * (i - 1) + k] = -room.r[i, k]
+    for k in range(d + 5):
+        y[k] = -room.rb[k]
+    solve_refined(room.linear, factor)
+    dq[0] = 0.0
+    for i in range(1, n + 1):
+        for k in range(d + 1):
+            dq[i, k] = x[(d + 1) * (i - 1) + k]
+    copy_vector(y, work.db)
 
-    With ``descend`` every step is downhill. Without, plain Newton steps are taken as long as they make
-    progress, toward whatever equilibrium the state was predicted for, stable or not.
 
-    ``room`` holds the gradient at the state, on entry and on return. ``dq, db, tq, tb`` are room for
-    the step and the trial state.
-    Returns (accepted, shift to go on with, psi, excess, force residual).
+@inlined
+def try_step(physics, kin, fraction, q, b, work):
+    """Set the trial state a ``fraction`` of the step on, following the wall's curve."""
+    for i in range(q.shape[0]):
+        for k in range(q.shape[1]):
+            work.tq[i, k] = q[i, k] + fraction * work.dq[i, k]
+    for k in range(b.size):
+        work.tb[k] = b[k] + fraction * work.db[k]
+    stay_inside(physics, kin, q, b, work.tq, work.tb)
+
+
+@inlined
+def correct_lengths(physics, room, factor, q, b):
+    """Restore lengths within the limits of a step; return the fraction of the correction that was taken."""
+    d = q.shape[1] - 1
+    n = q.shape[0] - 1
+    x, y = factor.rhs, factor.rhs_border
+    kin = room.kin
+    fraction = 1.0
+    for i in range(1, n + 1):
+        square = 0.0
+        for k in range(d):
+            before = x[(d + 1) * (i - 2) + k] if i > 1 else 0.0
+            square += (x[(d + 1) * (i - 1) + k] - before) ** 2
+        fraction = min(fraction, MOST_ROTATION * kin.rest[i] / (np.sqrt(square) + 1e-300))
+    for i in range(kin.node_a, kin.node_b + 1):
+        r2, outward = 0.0, 0.0
+        for k in range(d):
+            place = q[i, k] - b[X_C + k]
+            r2 += place * place
+            outward += place * (x[(d + 1) * (i - 1) + k] - y[X_C + k])
+        r = np.sqrt(r2) + 1e-300
+        gap = 1 + physics.wall_softness - 2 * r
+        if outward > 0:
+            fraction = min(fraction, MOST_GAP_USED * gap * r / (2 * outward))
+    for i in range(1, n + 1):
+        for k in range(d + 1):
+            q[i, k] += fraction * x[(d + 1) * (i - 1) + k]
+    for k in range(d + 5):
+        b[k] += fraction * y[k]
+    return fraction
+
+
+@kernel
+def restore(physics, mesh, end_rotation, psi, room, factor, q, b):
+    """Move a state onto its constraints with the factor at hand; return (psi, sound, strain left).
+
+    A state is not sound that is not finite, leaves the wall, or whose lengths do not come right.
+    """
+    before, left = np.inf, np.inf
+    for _ in range(RESTORATIONS):
+        if not wall_gap(physics, room.kin, q, b) > 0:
+            return psi, False, np.inf
+        psi, sound = gradient(physics, mesh, q, b, psi, end_rotation, room)
+        if not sound:
+            return psi, False, np.inf
+        left = strain(physics, room)
+        if left <= 1 or (
+            left < 100 and left > 0.5 * before
+        ):  # restored, or as far as rounding lets
+            return psi, True, left
+        if left > 0.9 * before:
+            return psi, False, left
+        before = left
+        solve_lengths(room, factor, q.shape[1] - 1, q.shape[0] - 1)
+        if (
+            correct_lengths(physics, room, factor, q, b) < 1
+        ):  # far off: the factor is not good for more
+            before = np.inf
+    return psi, False, left
+
+
+@kernel
+def follow_step(physics, mesh, end_rotation, rules, psi_old, room, factor, q, b, work):
+    """Take one Newton step in place, shortened until the residual falls, within the region.
+
+    Returns (outcome, psi, excess, force residual); ``room`` holds the gradient, on entry and on return.
     """
     d = len(physics.axis)
-    n = room.kin.rest.size - 2
-    old, force = excess(physics, room.r, room.rb, room.kin, tolerance)
-    psi_old = psi
-    x = factor.rhs
-    y = factor.rhs_border
-    for _ in range(TRIALS):
-        hessian(physics, q, b, psi_old, end_rotation, room)
-        add_shift(room.kin, room.linear, d, shift)
-        modes = unstable_modes(room.linear, factor, d)
-        while (modes < 0 or (modes > 0 and (descend or shift > 0))) and shift < LARGEST_SHIFT:
-            more = max(LEAST_SHIFT, (RAISE - 1) * shift)
-            add_shift(room.kin, room.linear, d, more)
-            shift += more
-            modes = unstable_modes(room.linear, factor, d)
-        x[:] = 0.0
-        y[:] = 0.0
-        for i in range(1, n + 1):
-            for k in range(d + 1):
-                if i < n or k == d:
-                    x[(d + 1) * (i - 1) + k] = -room.r[i, k]
-        for k in range(d + 5):
-            y[k] = -room.rb[k]
-        solve_refined(room.linear, factor)
-        dq[0] = 0.0
-        for i in range(1, n + 1):
-            for k in range(d + 1):
-                dq[i, k] = x[(d + 1) * (i - 1) + k]
-        copy_vector(y, db)
-        fraction = longest_step(physics, room.kin, q, b, dq, db)
-        penalty = 1 + 1.5 * largest_multiplier(q, b, dq, db, d)
-        before = merit(physics, q, b, psi_old, end_rotation, penalty, room)
-        for i in range(n + 1):
-            for k in range(d + 1):
-                tq[i, k] = q[i, k] + fraction * dq[i, k]
-        for k in range(d + 5):
-            tb[k] = b[k] + fraction * db[k]
-        stay_inside(physics, room.kin, q, b, tq, tb)
+    old, force = excess(physics, room.r, room.rb, room.kin, rules.tolerance)
+    sharp = max(SHARP, sharpest(room.kin))
+    hessian(physics, q, b, psi_old, end_rotation, room)
+    if factorize(room.linear, factor) < 0:
+        return STALLED, psi_old, old, force
+    solve_step(room, factor, work)
+    fraction = longest_step(physics, room.kin, q, b, work.dq, work.db)
+    outcome = STALLED
+    for _ in range(HALVINGS):
+        try_step(physics, room.kin, fraction, q, b, work)
         for correction in range(CORRECTIONS + 1):
-            if wall_gap(physics, room.kin, tq, tb) <= 0:
+            if not wall_gap(physics, room.kin, work.tq, work.tb) > 0:
                 break
-            psi, sound = gradient(physics, mesh, tq, tb, psi_old, end_rotation, room)
-            if not sound:
+            psi, sound = gradient(physics, mesh, work.tq, work.tb, psi_old, end_rotation, room)
+            if not sound or sharpest(room.kin) > sharp:
                 break
-            new, new_force = excess(physics, room.r, room.rb, room.kin, tolerance)
-            after = merit(physics, tq, tb, psi, end_rotation, penalty, room)
-            slack = ENERGY_ROUNDING * physics.capillary_force * physics.length
-            if new < 0.9 * old or after < before or (new < old and after < before + slack):
-                copy_rows(tq, q)
-                copy_vector(tb, b)
-                if fraction == 1.0:
-                    shift *= LOWER
-                    if shift < LEAST_SHIFT:
-                        shift = 0.0
-                return True, shift, psi, new, new_force
+            new, new_force = excess(physics, room.r, room.rb, room.kin, rules.tolerance)
+            if new < (1 - FALL * fraction) * old or new <= 1:
+                if beyond(room.kin, work.tq, work.origin, FARTHEST, TURNED):
+                    outcome = STRAYED
+                    break
+                copy_rows(work.tq, q)
+                copy_vector(work.tb, b)
+                return ACCEPTED, psi, new, new_force
             if correction < CORRECTIONS:
-                restore_lengths(room, factor, tq, tb)
-        shift = max(FIRST_SHIFT, RAISE * shift)
+                solve_lengths(room, factor, d, q.shape[0] - 1)
+                correct_lengths(physics, room, factor, work.tq, work.tb)
+        if outcome == STRAYED:
+            break
+        fraction *= 0.5
+    gradient(physics, mesh, q, b, psi_old, end_rotation, room)
+    return outcome, psi_old, old, force
+
+
+@kernel
+def descend_step(physics, mesh, end_rotation, rules, shift, psi_old, room, factor, q, b, work):
+    """Take one downhill step in place, from a state on its constraints to another.
+
+    The energy on the constraints falls, beyond rounding it never rises. Returns (outcome, shift to go on
+    with, psi, excess, force residual, whether the energy had a direction of negative curvature, and whether a
+    kick along it would gain more than the step); ``room`` holds the gradient, on entry and on return.
+    """
+    d = len(physics.axis)
+    old, force = excess(physics, room.r, room.rb, room.kin, rules.tolerance)
+    sharp = max(SHARP, sharpest(room.kin))
+    slack = ENERGY_ROUNDING * (1 + physics.capillary_force) * physics.length
+    curved = False
+    for trial in range(TRIALS):
+        hessian(physics, q, b, psi_old, end_rotation, room)
+        modes = unstable_modes(room.linear, factor, d)
+        if trial == 0:
+            curved = modes != 0
+        if modes != 0:
+            shift = max(shift, LEAST_SHIFT)
+        if shift > 0:
+            add_shift(room.kin, room.linear, d, shift)
+            modes = unstable_modes(room.linear, factor, d)
+        while modes != 0 and shift < LARGEST_SHIFT:
+            add_shift(room.kin, room.linear, d, (RAISE - 1) * shift)
+            shift *= RAISE
+            modes = unstable_modes(room.linear, factor, d)
+        solve_step(room, factor, work)
+        fraction = longest_step(physics, room.kin, q, b, work.dq, work.db)
+        fall = fraction * promised_decrease(work, room, d)
+        before = constrained_energy(physics, q, b, psi_old, end_rotation, room, work, q, b)
+        try_step(physics, room.kin, fraction, q, b, work)
+        psi, sound, _ = restore(
+            physics, mesh, end_rotation, psi_old, room, factor, work.tq, work.tb
+        )
+        sound = sound and sharpest(room.kin) <= sharp
+        if sound and not beyond(room.kin, work.tq, q, np.inf, MOST_ROTATION * 1.2):
+            new, new_force = excess(physics, room.r, room.rb, room.kin, rules.tolerance)
+            after = constrained_energy(
+                physics, work.tq, work.tb, psi, end_rotation, room, work, q, b
+            )
+            if fall > 10 * slack:
+                lower = after <= before - ARMIJO * fall
+            else:  # energies cannot tell any more
+                lower = after <= before + slack and new < old
+            if lower:
+                copy_rows(work.tq, q)
+                copy_vector(work.tb, b)
+                saddle = curved and fall < KICK_GAIN * shift * rules.kick**2
+                if fraction == 1.0:
+                    shift = LOWER * shift if shift > LEAST_SHIFT else 0.0
+                return ACCEPTED, shift, psi, new, new_force, curved, saddle
+        shift = max(LEAST_SHIFT, RAISE * shift)
+        gradient(physics, mesh, q, b, psi_old, end_rotation, room)
         if shift > LARGEST_SHIFT:
             break
-        gradient(physics, mesh, q, b, psi_old, end_rotation, room)
-    gradient(physics, mesh, q, b, psi_old, end_rotation, room)
-    return False, shift, psi_old, old, force
+    return STALLED, shift, psi_old, old, force, curved, curved
 
 
 @kernel

@@ -66,6 +66,8 @@ ROW_UNITS = {
     "slide_force": "K0 D-2",
     "wall_gap": "D",
     "residual": "K0 D-2",
+    "work_defect": "K0 D-1",
+    "turning_angle": "rad",
     "next_step": "D",
     "wall_time": "s",
 }

@@ -20,12 +20,15 @@ class Explicit:
     limit = 400_000
     easy, hard = 500_000, 2_000_000
     finest = 1e-7  # leaves 1e-8 in E_hat and 1e-6 in t; the steps grow with its logarithm
+    tolerance = 0.0
 
     def __init__(self, *, kinetic: bool) -> None:
         self.kinetic = kinetic
 
-    def begin(self, system: System, state: State, tolerance: float, *, descend: bool) -> Report:
-        """Take the residual of the state, and start at rest."""
+    def begin(
+        self, system: System, state: State, tolerance: float, *, descend: bool, kick: float = 0.0
+    ) -> Report:
+        """Take the residual of the state, and start at rest; the way is downhill in any case."""
         self.system, self.state = system, state
         d = system.dimension
         if system.physics.drop:  # the menisci only move as mirror images from here on

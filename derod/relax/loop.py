@@ -17,6 +17,10 @@ class Outcome(StrEnum):
     CONVERGED = "converged"
     MAX_ITERATIONS = "max_iterations"
     STALLED = "stalled"
+    STRAYED = "strayed"  # left the region round the prediction that is trusted
+    SADDLE = (
+        "saddle"  # on the way down, where steps no longer leave a direction of negative curvature
+    )
     DIVERGED = "diverged"
 
 
@@ -27,7 +31,11 @@ class Report(NamedTuple):
     excess: float  # residual over tolerance; at most 1 is settled
     residual: float  # largest force, K0/D^2
     alive: bool  # False: no further progress is possible
-    sound: bool  # False: not a number, or outside the wall
+    sound: bool  # False: not a number, outside the wall, or folded back at a node
+    strayed: bool = False  # the next step would leave the region round the prediction
+    saddle: bool = (
+        False  # a kick along a mode of negative curvature would gain more than the steps do
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,8 +61,11 @@ class Relaxer(Protocol):
     easy: int  # at most that many iterations: the next increment may be longer
     hard: int  # more than that: it shall be shorter
     finest: float  # K0/D^2, the least tolerance that is worth its cost
+    tolerance: float  # K0/D^2, that the last relaxation was held to
 
-    def begin(self, system: System, state: State, tolerance: float, *, descend: bool) -> Report:
+    def begin(
+        self, system: System, state: State, tolerance: float, *, descend: bool, kick: float = 0.0
+    ) -> Report:
         """Look at the state; keep what the method must remember."""
 
     def advance(self) -> Report:
@@ -71,20 +82,25 @@ def relax(
     tolerance: float | None = None,
     *,
     descend: bool = False,
+    kick: float = 0.0,
     watch: Watcher | None = None,
 ) -> Solution:
     """Relax a copy of ``start`` until its residual meets ``tolerance`` (K0/D^2).
 
     The default is the scene's tolerance, but no finer than the method's ``finest``.
 
-    With ``descend`` no step goes uphill, so that a state kicked off a saddle does not fall back on it.
+    Without ``descend`` the equilibrium near ``start`` is sought, stable or not, and none that is farther from
+    it than a prediction may be off: the outcome is then "strayed". With ``descend`` the state is put
+    onto its constraints, and no step from there raises the energy beyond rounding. A ``kick`` (D) says that
+    saddles are to be left by one: the relaxation ends with the outcome "saddle" as soon as a kick of that
+    size gains more than its steps.
 
     ``watch(iteration, state, report)`` sees the state after every advance.
     """
     state = start.copy()
     if tolerance is None:
         tolerance = max(system.tolerance, relaxer.finest)
-    report = relaxer.begin(system, state, tolerance, descend=descend)
+    report = relaxer.begin(system, state, tolerance, descend=descend, kick=kick)
     done = 0
     while True:
         if watch is not None:
@@ -108,6 +124,10 @@ def judge(report: Report, done: int, limit: int) -> Outcome | None:
         return Outcome.DIVERGED
     if report.excess <= 1:
         return Outcome.CONVERGED
+    if report.strayed:
+        return Outcome.STRAYED
+    if report.saddle:
+        return Outcome.SADDLE
     if not report.alive:
         return Outcome.STALLED
     if done >= limit:
