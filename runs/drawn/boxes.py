@@ -1,0 +1,74 @@
+"""Boxes of parameters, and scenes drawn from them by a seed."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+
+import derod
+
+STEPS = (0.02, 0.05, 0.1)  # pi D
+EDGES = (150, 200, 400)
+LANDINGS = (0.12, 0.25, 0.5, 0.75, 0.9)  # of the stop
+START = 0.02 * math.pi
+
+
+class Box(NamedTuple):
+    """Ranges that parameters are drawn from."""
+
+    length: tuple[float, float]  # l
+    twisting: tuple[float, float]  # k3
+    capillary_force: tuple[float, float]  # f_gamma
+    wall_softness: tuple[float, float]  # rho
+    wall_strength: tuple[float, float]  # v0, by its logarithm
+
+
+BOXES = {
+    "wide": Box((6, 24), (0.5, 1.5), (5, 80), (0.02, 0.3), (1e-5, 5e-2)),
+    "hard": Box((6, 9), (0.5, 1.5), (8, 30), (0.02, 0.1), (1e-4, 5e-3)),
+    "weak": Box((6, 24), (0.5, 1.5), (4.5, 8), (0.02, 0.3), (1e-5, 5e-2)),
+}
+
+
+def draw(box: str, seed: int, number: int) -> derod.Scene:
+    """Return scene ``number`` of a seed: the same whatever else is drawn."""
+    rng = np.random.default_rng([seed, number, sorted(BOXES).index(box)])
+    ranges = BOXES[box]
+    length = rng.uniform(*ranges.length)
+    rotation = rng.choice([0.0, 2 * math.pi, rng.uniform(0, 4 * math.pi)])
+    stop = rng.uniform(0.75, 0.95) * (length - 1)
+    step = rng.choice(STEPS) * math.pi
+    tables: dict[str, Any] = {
+        "rod.length": length,
+        "rod.twisting": rng.uniform(*ranges.twisting),
+        "drop.capillary_force": rng.uniform(*ranges.capillary_force),
+        "drop.wall_softness": rng.uniform(*ranges.wall_softness),
+        "drop.wall_strength": math.exp(rng.uniform(*np.log(ranges.wall_strength))),
+        "clamps.end_rotation": rotation,
+        "mesh.edges": int(rng.choice(EDGES)),
+        "push.start": START,
+        "push.stop": stop,
+        "push.max_step": step,
+        "push.at": [share * stop for share in LANDINGS],
+    }
+    return derod.parse_scene(PLAIN).replace(
+        {key: value if isinstance(value, (int, list)) else float(f"{value:.5g}")
+         for key, value in tables.items()}
+    )  # fmt: skip
+
+
+PLAIN = """
+[rod]
+length = 10
+bending = 1
+twisting = 0.9
+[drop]
+capillary_force = 20
+wall_strength = 2e-4
+wall_softness = 0.1
+[push]
+start = 0.06
+stop = 6
+"""
