@@ -17,7 +17,7 @@ from derod import __version__
 from derod.errors import DerodError, RecordError
 from derod.exits import BAD_INPUT, DONE, INTERRUPTED, NOT_REACHED
 
-METHODS = ("implicit", "fire", "kinetic")
+METHODS = ("implicit", "elliptic", "fire", "kinetic")
 
 COMMANDS: tuple[str, ...] = (
     "derod.branches.cli:add_branch_parser",

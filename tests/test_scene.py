@@ -326,7 +326,7 @@ def scenes(draw: st.DrawFn) -> Scene:
         },
         "mesh": {"edges": draw(st.integers(12, 100_000))},
         "relax": {
-            "method": draw(st.sampled_from(["implicit", "fire", "kinetic"])),
+            "method": draw(st.sampled_from(["implicit", "elliptic", "fire", "kinetic"])),
             "tolerance": draw(st.floats(1e-15, 1e-2)),
         },
         "noise": {

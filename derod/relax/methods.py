@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
+from derod.relax.elliptic import Elliptic
 from derod.relax.explicit import Explicit
 from derod.relax.implicit import Implicit
 from derod.relax.loop import Relaxer
 
 METHODS: dict[str, Callable[[], Relaxer]] = {
     "implicit": Implicit,
+    "elliptic": Elliptic,
     "fire": partial(Explicit, kinetic=False),
     "kinetic": partial(Explicit, kinetic=True),
 }

@@ -14,7 +14,7 @@ from derod.scene.tables import Scene
 LARGEST = 1e6  # D; beyond it sums of energies have no digits left
 STRONGEST = 1e9  # of stiffnesses and forces: any unit K0 will do
 CLAMP_CLEARANCE = 0.9
-METHODS = ("implicit", "fire", "kinetic")
+METHODS = ("implicit", "elliptic", "fire", "kinetic")
 
 
 @dataclass(frozen=True, slots=True)

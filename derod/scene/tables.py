@@ -78,7 +78,7 @@ class Relax(Table, frozen=True, kw_only=True):
     """How an increment is settled."""
 
     method: str = "implicit"
-    """"implicit", "fire" or "kinetic"."""
+    """"implicit", "elliptic", "fire" or "kinetic"."""
     tolerance: float = 1e-9
     """On the residual force, in bending / D^2, before the scaling with the mesh."""
 

@@ -49,7 +49,7 @@ def pushed(request: pytest.FixtureRequest) -> tuple[System, State, State]:
     return system, guess, solution.state
 
 
-@pytest.mark.parametrize("method", ["fire", "kinetic"])
+@pytest.mark.parametrize("method", ["fire", "kinetic", "elliptic"])
 @pytest.mark.parametrize("size", [0.0, 1e-3])
 def test_lands_on_the_implicit_state(
     pushed: tuple[System, State, State], method: str, size: float
@@ -65,7 +65,7 @@ def test_lands_on_the_implicit_state(
     assert tension[0] == pytest.approx(tension[1], abs=1e-5)
 
 
-@pytest.mark.parametrize("method", ["fire", "kinetic"])
+@pytest.mark.parametrize("method", ["fire", "kinetic", "elliptic"])
 def test_leaves_an_unstable_planar_state(method: str) -> None:
     """Past the pitchfork a disturbed planar rod goes down to the coil in space, a minimum."""
     scene = coil(edges=40, stop='"0.3 pi"', noise=0.0)  # Newton's steps stay in the plane
@@ -144,7 +144,7 @@ def test_says_when_it_ran_out_of_steps(pushed: tuple[System, State, State], meth
     assert solution.residual > relaxer.finest
 
 
-@pytest.mark.parametrize("method", ["fire", "kinetic"])
+@pytest.mark.parametrize("method", ["fire", "kinetic", "elliptic"])
 def test_says_when_a_state_is_no_good(pushed: tuple[System, State, State], method: str) -> None:
     system, guess, _ = pushed
     outside = guess.copy()

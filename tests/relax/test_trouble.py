@@ -11,7 +11,7 @@ from derod.system import System
 from tests.scenes import coil
 
 
-@pytest.mark.parametrize("method", ["implicit", "fire"])
+@pytest.mark.parametrize("method", ["implicit", "elliptic", "fire"])
 def test_a_poisoned_node_is_named(method: str) -> None:
     system = System(coil(edges=40))
     start = bent_guess(system, 0.1)

@@ -1,0 +1,47 @@
+"""Explicit relaxation with the rod's own elliptic operator as its mass (``core.accelerated``)."""
+
+from __future__ import annotations
+
+import math
+
+from derod.core import accelerated
+from derod.relax.loop import Report
+from derod.state import State
+from derod.system import System
+
+BATCH = 200  # steps of one call
+
+
+class Elliptic:
+    """Accelerated gradient steps in the elliptic metric; their number does not grow with the mesh."""
+
+    limit = 20_000
+    easy, hard = 150, 1_000
+    finest = 1e-8
+
+    def begin(self, system: System, state: State, tolerance: float, *, descend: bool) -> Report:
+        """Take the residual of the state, and start at rest."""
+        self.system, self.state, self.tolerance = system, state, tolerance
+        self.motion = accelerated.new_motion(system.edges, system.dimension)
+        sound = system.gradient(state) and system.wall_gap(state) > 0
+        _, residual = system.excess(tolerance)
+        unknown = math.inf  # what is left in soft modes shows in the first step's solution
+        return Report(0, unknown, residual, alive=True, sound=sound)
+
+    def advance(self) -> Report:
+        """Take a batch of steps."""
+        system, state = self.system, self.state
+        done, state.holonomy, excess, residual, alive, sound = accelerated.accelerated_steps(
+            system.physics,
+            system.mesh,
+            system.end_rotation,
+            self.tolerance,
+            min(BATCH, self.limit),
+            state.holonomy,
+            system.room,
+            system.factor,
+            state.q,
+            state.b,
+            self.motion,
+        )
+        return Report(done, excess, residual, alive=alive, sound=sound)
