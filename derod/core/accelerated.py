@@ -175,13 +175,14 @@ def left(physics, kin, square, tolerance):
     """Return |F| in M^{-1}, the root of ``square``, over what is allowed and what rounding leaves.
 
     It bounds the energy that is still to be lost, whatever the mesh; the largest force on a node says
-    little about soft modes. A force known to eps l m, m being a node's mass, leaves eps l sqrt(m) of it.
+    little about soft modes. Positions are known to eps l / 4 on average, forces to that times a node's
+    mass m, which leaves eps l sqrt(m) / 4 of the norm.
     """
     mass = 0.0
     for i in range(1, kin.rest.size - 2):
         h = min(kin.rest[i], kin.rest[i + 1])
         mass += ROUNDING / (h * h * h) + WALL_ROUNDING * kin.barrier[i]
-    rounding = EPS * physics.length
+    rounding = 0.25 * EPS * physics.length
     return math.sqrt(abs(square) / ((SHARE * tolerance) ** 2 + rounding * rounding * mass))
 
 
