@@ -35,7 +35,8 @@ from derod.linalg.bordered import factorize, solve, subtract_product
 LARGEST_STEP = 0.8  # h_0: the largest eigenvalues of M^{-1} H are 1.1 to 1.4
 LEAST_STEP = LARGEST_STEP / 64
 GROW = 1.2
-MOST_ROTATION = 0.15  # rad of an edge in one step, and before M and A are renewed
+MOST_ROTATION = 0.05  # rad of an edge in one step; lengths are off by its square
+MOST_TURNED = 0.15  # rad of an edge before M and A are renewed
 MOST_GAP_USED = 0.25
 MOST_REGION_USED = 0.25
 MOST_BARRIER = 1.5  # growth of a node's barrier before M is renewed
@@ -94,7 +95,7 @@ def is_stale(kin, hess, motion):
         square = 0.0
         for k in range(kin.tangent.shape[0]):
             square += (kin.tangent[k, e] - hess.tangent[e, k]) ** 2
-        stale |= square > MOST_ROTATION * MOST_ROTATION
+        stale |= square > MOST_TURNED * MOST_TURNED
     for i in range(kin.node_a, kin.node_b + 1):
         stale |= kin.barrier[i] > MOST_BARRIER * motion.barrier[i]
     return stale
