@@ -121,8 +121,9 @@ def range_lines(table: np.ndarray, edges: int) -> Iterator[str]:
     coarsest = table[np.argmax(table["turning_angle"])]
     if coarsest["turning_angle"] > COARSE:
         yield (
-            f"warning: the mesh is too coarse for the coil, which turns by "
-            f"{coarsest['turning_angle']:.3g} rad at a node at {coarsest['end_shortening'] / math.pi:.5f} pi; "
+            "warning: the mesh is too coarse for the coil, which turns by "
+            f"{coarsest['turning_angle']:.3g} rad at a node at "
+            f"{coarsest['end_shortening'] / math.pi:.5f} pi; "
             f"{edges_enough(edges, float(coarsest['turning_angle']))} edges would do"
         )
     worst = table[np.argmax(table["residual"])]
