@@ -8,6 +8,7 @@ from typing import TypeVar
 
 from derod.branches.arc import Point, Tracer
 from derod.branches.error import refined
+from derod.branches.mesh import halved
 from derod.branches.mirror import Mirror
 from derod.branches.observables import observables
 from derod.branches.outcome import NotConverged
@@ -148,10 +149,18 @@ def special_points(
     return out
 
 
-def stored(tracer: Tracer, point: Point, label: str = "", count_modes: bool = True) -> Stored:
-    """A path's point refined to the wanted accuracy, its unstable modes counted."""
+def stored(
+    tracer: Tracer, point: Point, label: str = "", count_modes: bool = True, beside: bool = False
+) -> Stored:
+    """A path's point refined to the wanted accuracy, its unstable modes counted.
+
+    ``beside``: a fold or pitchfork is the next point; a mode is soft, and is counted on elements
+    cut in two.
+    """
     state, error = refined(tracer, point)
-    modes = sum(unstable_modes(state)) if count_modes else -1
+    modes = -1
+    if count_modes:
+        modes = sum(unstable_modes(halved(state) if beside else state, critical=bool(label)))
     return Stored(state, observables(state), error, label, modes)
 
 

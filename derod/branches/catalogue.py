@@ -356,26 +356,29 @@ class Catalogue:
     def store(self, path: Path, count_modes: bool = True) -> Branch:
         """A path with every point refined, its error estimated and its unstable modes counted."""
         specials = {id(s): i for i, (_, s) in enumerate(path.specials)}
-        even = path.tracer.mirror
-        branch = Branch(
-            path.name, even, [], begins=path.begins, ends=path.ends, remarks=path.remarks
-        )
+        rows: list[tuple[Tracer, Point, SpecialPoint | None, str]] = []
         for at_start, tracer, joint, partner in path.joints:
             if at_start:
-                branch.bifurcations.append(Bifurcation(0, "pitchfork", partner, joint.function))
-                branch.points.append(stored(tracer, joint.point, "pitchfork", count_modes))
+                rows.append((tracer, joint.point, joint, partner))
         for point, special in merged(path.points, path.specials):
-            label = special.kind if special else ""
-            if special:
-                partner = path.partners.get(specials[id(special)], "")
-                branch.bifurcations.append(
-                    Bifurcation(len(branch.points), special.kind, partner, special.function)
-                )
-            branch.points.append(stored(path.tracer, point, label, count_modes))
+            partner = path.partners.get(specials[id(special)], "") if special else ""
+            rows.append((path.tracer, point, special, partner))
         for at_start, tracer, joint, partner in path.joints:
             if not at_start:
-                branch.bifurcations.append(
-                    Bifurcation(len(branch.points), "pitchfork", partner, joint.function)
-                )
-                branch.points.append(stored(tracer, joint.point, "pitchfork", count_modes))
+                rows.append((tracer, joint.point, joint, partner))
+        marked = [special is not None for _, _, special, _ in rows]
+        branch = Branch(
+            path.name,
+            path.tracer.mirror,
+            [],
+            begins=path.begins,
+            ends=path.ends,
+            remarks=path.remarks,
+        )
+        for i, (tracer, point, special, partner) in enumerate(rows):
+            if special:
+                branch.bifurcations.append(Bifurcation(i, special.kind, partner, special.function))
+            label = special.kind if special else ""
+            beside = any(marked[max(i - 1, 0) : i + 2])
+            branch.points.append(stored(tracer, point, label, count_modes, beside))
         return branch

@@ -1,212 +1,101 @@
-"""Second variation of the energy on a branch state: how many modes are unstable.
+"""How many modes of a branch state are unstable, and how stiffly the drop holds its place.
 
-Variations of the whole rod at fixed clamps: frames turn by phi(s), the centre line moves by rho
-with rho' = phi x d_3, the drop's centre by rho_C, the menisci by b along the rod. To second order
-twice the Lagrangian (fixed multipliers n, f_B) is
+The second variation (``second_variation``) is counted by the signs of pivots. A flip-symmetric
+state splits it into flip-even and flip-odd variations of half the rod. Two flip-odd variations need
+care:
 
-    int [ phi'.K phi' - phi'.(m x phi) + (n.d_3)|phi|^2 - (n.phi)(d_3.phi) ] ds
-      + int_wet eta.(grad grad v) eta ds,      eta = rho - rho_C,
-      + 2 sum over menisci of f_B (|rho + b d_3 - rho_C|^2 + w.(b^2 d_3' + 2 b rho')) +- (b grad
-      v.eta + b^2 grad v.d_3/2)
+- *Turning* the coil about the clamp axis (phi = e_z - d_3) costs nothing, on every state. It is
+  penalised and never counted.
+- *Sliding* the drop along the rod (rho = e_z - d_3): both menisci move along the rod by the same
+  length c, all else follows. k = d^2E/dc^2, with everything else relaxed, is what the clamps'
+  boundary layers make of it: about 2 |m|^2 sqrt(t) for a long outer rod, m the bending moment at a
+  clamp. It falls like exp(-2 sqrt(t) outer length), below what a mesh resolves (0.01 K0/D^3 here,
+  0.07 on Pt, which runs through the wall's cone). Variations are therefore counted with both
+  menisci held in their place along the rod (c = 0), and one mode is added where sliding is resolved
+  and downhill:
 
-on the kernel of the constraints rho(0) = rho(l) = 0, phi = 0 at the clamps, w.(rho + b d_3 -
-rho_C) = 0. A flip-symmetric state splits it into flip-even and flip-odd variations of half the
-rod. phi is piecewise quadratic and rho its exact integral, so this is a Ritz method: it converges
-from above and needs no multiplier for inextensibility. Two flip-odd variations are neutral and
-left out: turning the coil about the clamp axis (phi = e_z - d_3) and sliding the drop along the
-rod (rho = e_z - d_3).
+      |m| at the clamp > CLAMP_MOMENT   and   k < 0.
+
+  By Haynsworth's formula that is the count of the whole second variation, c free, wherever |m| is
+  above the threshold; below it sliding counts as neutral. The discrete rod uses the same rule
+  (``derod.stability``), on its own numbers.
 """
 
 from __future__ import annotations
 
-import numpy as np
-from scipy.linalg.lapack import dsytrf
+from dataclasses import dataclass
 
-from derod.branches.closure import jump
+import numpy as np
+
 from derod.branches.element import moment, tangent
-from derod.branches.fields import evaluate_fields, interpolate
-from derod.branches.gauss import MATRIX, NODES, WEIGHTS
-from derod.branches.mesh import adapted
+from derod.branches.front import negative_eigenvalues
+from derod.branches.second_variation import condensed
 from derod.branches.state import HalfRod
 
-RESOLUTION = 0.8
-"""Elements per natural length, of quadratic rotations."""
-PENALTY = 1e6
-"""On the constraints; their kernel is reached as it grows."""
-NEUTRAL_PENALTY = 1e2
-
-_SHAPE = np.stack(
-    [(1 - NODES) * (1 - 2 * NODES), 4 * NODES * (1 - NODES), NODES * (2 * NODES - 1)], axis=1
-)
-_SLOPE = np.stack([4 * NODES - 3, 4 - 8 * NODES, 4 * NODES - 1], axis=1)
+CLAMP_MOMENT = 0.15
+"""Bending moment at the clamp (K/D) above which sliding is resolved. There k is 0.1 K/D^3 or more,
+whatever its sign."""
+CLAMP_ROWS = 3
+"""Multipliers of rho(clamp) = 0: each brings one negative eigenvalue."""
+PHI, RHO, CENTRE, TURN, SLIDE, LEFT = 0, 3, 6, 12, 13, 14
+"""Places in what the sweep leaves at the middle, and its size."""
 
 
-def cross_matrix(a: np.ndarray) -> np.ndarray:
-    """[a x] (..., 3, 3) of vectors (..., 3)."""
-    zero = np.zeros(a.shape[:-1])
-    x, y, z = a[..., 0], a[..., 1], a[..., 2]
-    rows = [[zero, -z, y], [z, zero, -x], [-y, x, zero]]
-    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+@dataclass(frozen=True, slots=True)
+class Stability:
+    """Unstable modes of the whole rod at fixed clamps."""
+
+    even: int  # flip-even
+    odd: int  # flip-odd, the drop held in its place along the rod
+    sliding_stiffness: float  # k = d^2E/dc^2, all else relaxed, K/D^3
+    clamp_moment: float  # |m - (m.d_3) d_3| at the clamp, K/D
+
+    @property
+    def slides(self) -> bool:
+        """Whether sliding the drop is an unstable mode (flip-odd) beside the others."""
+        return self.clamp_moment > CLAMP_MOMENT and self.sliding_stiffness < 0.0
+
+    @property
+    def modes(self) -> int:
+        """All of them."""
+        return self.even + self.odd + self.slides
 
 
-def _rod_form(tangents, forces, moments, lengths, k3):  # type: ignore[no-untyped-def]
-    """Element matrices (E, 9, 9) of the rod's own second variation."""
-    eye = np.eye(3)
-    outer = np.einsum("eki,ekj->ekij", tangents, tangents)
-    stiffness = eye + (k3 - 1.0) * outer
-    pull = np.einsum("eki,eki->ek", forces, tangents)
-    mixed = np.einsum("eki,ekj->ekij", forces, tangents)
-    load = pull[..., None, None] * eye - 0.5 * (mixed + np.swapaxes(mixed, -1, -2))
-    gyration = cross_matrix(moments)
-    a = np.einsum("k,ka,kb,ekij->eaibj", WEIGHTS, _SLOPE, _SLOPE, stiffness)
-    b = np.einsum("k,ka,kb,ekij->eaibj", WEIGHTS, _SLOPE, _SHAPE, gyration)
-    c = np.einsum("k,ka,kb,ekij->eaibj", WEIGHTS, _SHAPE, _SHAPE, load)
-    count = len(lengths)
-    a, b, c = (part.reshape(count, 9, 9) for part in (a, b, c))
-    h = lengths[:, None, None]
-    return a / h - 0.5 * (b + np.swapaxes(b, 1, 2)) + c * h
+def stability(state: HalfRod, *, critical: bool = False) -> Stability:
+    """Count the unstable modes of a settled state on its own mesh.
 
-
-class SecondVariation:
-    """The quadratic form of half a rod in the rotations (3 per node, 2 E + 1 nodes) and rho_C
-    (3)."""
-
-    def __init__(self, state: HalfRod, resolution: float = RESOLUTION) -> None:
-        state = adapted(state, resolution)
-        prm = state.parameters
-        fields = evaluate_fields(state)
-        lengths = state.lengths
-        count, inner = state.eta.size, state.inner
-        points = 3 * (2 * count + 1)
-        size = points + 3
-        self.centre = slice(points, points + 3)
-        form = np.zeros((size, size))
-        blocks = _rod_form(fields.tangents, fields.forces, fields.moments, lengths, prm.twisting)
-        for e in range(count):
-            own = slice(6 * e, 6 * e + 9)
-            form[own, own] += blocks[e]
-        # rho at the left end of every element and at its Gauss points: -int_s^{l/2} phi x d_3
-        turn = -cross_matrix(fields.tangents)  # phi x d_3 = -[d_3 x] phi
-        rate = np.einsum("ka,ekij->ekiaj", _SHAPE, turn).reshape(count, len(NODES), 3, 9)
-        whole = lengths[:, None, None] * np.einsum("k,ekij->eij", WEIGHTS, rate)
-        part = lengths[:, None, None, None] * np.einsum("lk,ekij->elij", MATRIX, rate)
-        left = np.zeros((count + 1, 3, size))
-        for e in range(count - 1, -1, -1):
-            left[e] = left[e + 1]
-            left[e, :, 6 * e : 6 * e + 9] -= whole[e]
-        wet = np.repeat(left[:inner, None], len(NODES), axis=1)
-        for e in range(inner):
-            wet[e, :, :, 6 * e : 6 * e + 9] += part[e]
-        wet[..., self.centre] -= np.eye(3)
-        self._add_wall(form, state, fields.places[:inner], wet.reshape(-1, 3, size))
-        self.constraint = left[0]
-        self._add_meniscus(form, state, left[inner])
-        self.form = 0.5 * (form + form.T)
-        self.neutral = self._neutral_modes(state, fields, size)
-
-    @staticmethod
-    def _add_wall(form: np.ndarray, state: HalfRod, places: np.ndarray, eta: np.ndarray) -> None:
-        prm = state.parameters
-        w = places.reshape(-1, 3)
-        r = np.linalg.norm(w, axis=1)
-        gap = 1.0 + prm.wall_softness - 2.0 * r
-        slope = 2.0 * prm.wall_strength / gap**2
-        along = np.sqrt(np.maximum(4.0 * slope / gap, 0.0))
-        across = np.sqrt(slope / r)
-        unit = w / r[:, None]
-        # factor of the Hessian: along e e^T + across (1 - e e^T), both positive
-        factor = across[:, None, None] * np.eye(3)
-        factor = factor + (along - across)[:, None, None] * np.einsum("gi,gj->gij", unit, unit)
-        weight = np.sqrt((state.lengths[: state.inner, None] * WEIGHTS).ravel())
-        rows = np.einsum("g,gij,gjn->gin", weight, factor, eta).reshape(-1, form.shape[0])
-        form += rows.T @ rows
-
-    def _add_meniscus(self, form: np.ndarray, state: HalfRod, rho: np.ndarray) -> None:
-        """Meniscus terms, then b eliminated by w.(rho + b d_3 - rho_C) = 0."""
-        prm = state.parameters
-        y = state.nodes[state.inner]
-        after, jacobian = np.empty(10), np.empty((10, 11))
-        force = jump(y, float(state.scalars[5]), prm.meniscus_wall, after, jacobian)
-        w = y[:3]
-        q = y[3:7]
-        t, m = np.empty(3), np.empty(3)
-        tangent(q, t)
-        moment(state.scalars[0], state.scalars[1], w, y[7:10], m)
-        bend = np.cross(m, t)  # d_3'
-        size = form.shape[0]
-        eta = rho.copy()
-        eta[:, self.centre] -= np.eye(3)
-        slip = np.zeros(size)
-        slip -= w @ eta / (w @ t)
-        moved = eta + np.outer(t, slip)
-        node = slice(6 * state.inner, 6 * state.inner + 3)
-        turning = np.zeros(size)
-        turning[node] = np.cross(t, w)  # w . (phi x d_3) = phi . (d_3 x w)
-        gradient = 2.0 * prm.wall_strength / prm.wall_softness**2 * w / np.linalg.norm(w)
-        form += 2.0 * force * (moved.T @ moved + (w @ bend) * np.outer(slip, slip))
-        form += 2.0 * force * (np.outer(slip, turning) + np.outer(turning, slip))
-        pushed = gradient @ eta
-        form += np.outer(slip, pushed) + np.outer(pushed, slip)
-        form += (gradient @ t) * np.outer(slip, slip)
-
-    def _neutral_modes(self, state: HalfRod, fields, size: int) -> np.ndarray:  # type: ignore[no-untyped-def]
-        """Turning about the clamp axis and sliding along the rod (2, size)."""
-        count = state.eta.size
-        at = np.tile([0.0, 0.5], count)
-        values = interpolate(state, fields, np.repeat(np.arange(count), 2), at)
-        values = np.vstack([values, state.nodes[-1]])
-        turn, slide = np.zeros(size), np.zeros(size)
-        t, m = np.empty(3), np.empty(3)
-        for i, y in enumerate(values):
-            tangent(y[3:7], t)
-            moment(state.scalars[0], state.scalars[1], y[:3], y[7:10], m)
-            turn[3 * i : 3 * i + 3] = np.array([0.0, 0.0, 1.0]) - t
-            slide[3 * i : 3 * i + 3] = (m @ t) * t - m
-        centre = state.nodes[
-            -1, 1
-        ]  # r_C = (0, -w_y(l/2), 0): turning about the clamp axis moves it
-        turn[self.centre] = np.array([centre, 0.0, 0.0])
-        slide[self.centre] = np.array([0.0, 0.0, 1.0])
-        return np.stack([turn, slide])
-
-    def restricted(self, odd: bool) -> np.ndarray:
-        """The form on flip-even or flip-odd variations, constraints and neutral modes penalised."""
-        size = self.form.shape[0]
-        keep = np.ones(size, dtype=bool)
-        keep[self.centre.start - 3 : self.centre.start] = False  # phi = 0 at the clamp
-        forbidden = [1] if odd else [0, 2]
-        for axis in forbidden:
-            keep[axis] = False
-            keep[self.centre.start + axis] = False
-        form = self.form[np.ix_(keep, keep)].copy()
-        # rho(0) vanishes along the axes that this class forbids
-        for axis in forbidden:
-            row = self.constraint[axis][keep]
-            form += PENALTY * np.outer(row, row)
-        if odd:
-            for mode in self.neutral:
-                z = mode[keep]
-                norm = np.linalg.norm(z)
-                if norm > 0.0:
-                    z = z / norm
-                    form += NEUTRAL_PENALTY * np.outer(z, z)
-        return form
-
-
-def unstable_modes(state: HalfRod, resolution: float = RESOLUTION) -> tuple[int, int]:
-    """Numbers of unstable flip-even and flip-odd modes of a settled state (whole rod, fixed
-    clamps)."""
-    variation = SecondVariation(state, resolution)
-    return _negative(variation.restricted(False)), _negative(variation.restricted(True))
-
-
-def _negative(form: np.ndarray) -> int:
-    """Number of negative eigenvalues, by Sylvester's law from LAPACK's symmetric factorisation.
-
-    A 2 x 2 pivot of Bunch and Kaufman's pivoting is indefinite: one negative eigenvalue each.
+    ``critical``: the state is a fold or a pitchfork. A flip-even mode is neutral there and is left
+    out, whatever sign the mesh gives it. Raises ArithmeticError where the elimination fails.
     """
-    factor, pivots, info = dsytrf(form, lower=1)
-    if info < 0:
-        raise ValueError(f"dsytrf: bad argument {-info}")
-    single = pivots > 0
-    return int(np.count_nonzero(np.diag(factor)[single] < 0.0) + np.count_nonzero(~single) // 2)
+    negative, left = condensed(state)
+    even = negative + negative_eigenvalues(_of_class(left, odd=False), critical) - CLAMP_ROWS
+    block = _of_class(left, odd=True)
+    odd = negative + negative_eigenvalues(block) - CLAMP_ROWS - 2  # 2: turn and slide
+    # half a rod's form is x.F x = k c^2/2; the corner of the bordered inverse is -k/2
+    stiffness = -2.0 * float(np.linalg.inv(block)[-1, -1])
+    return Stability(even, odd, stiffness, clamp_moment(state))
+
+
+def clamp_moment(state: HalfRod) -> float:
+    """Bending moment at the clamp, |m - (m.d_3) d_3|, K/D."""
+    y = state.nodes[-1]
+    t, m = np.empty(3), np.empty(3)
+    tangent(y[3:7], t)
+    moment(state.scalars[0], state.scalars[1], y[:3], y[7:10], m)
+    return float(np.linalg.norm(m - (m @ t) * t))
+
+
+def _of_class(left: np.ndarray, *, odd: bool) -> np.ndarray:
+    """The rows and columns of flip-odd or flip-even variations."""
+    keep = np.ones(LEFT, dtype=bool)
+    for axis in (1,) if odd else (0, 2):
+        keep[[PHI + axis, RHO + axis, CENTRE + axis]] = False
+    if not odd:
+        keep[[TURN, SLIDE]] = False
+    return left[np.ix_(keep, keep)]
+
+
+def unstable_modes(state: HalfRod, *, critical: bool = False) -> tuple[int, int]:
+    """Numbers of unstable flip-even and flip-odd modes, sliding among the latter."""
+    found = stability(state, critical=critical)
+    return found.even, found.odd + found.slides
