@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from derod.branches.landing import Landing, center_line, estimate, land, sheets
+from derod.branches.landing import Landing, center_line, estimate, intervals, landings
 from derod.branches.outcome import NotConverged
 from derod.branches.parameters import Parameters
 from derod.branches.record import BranchFile, open_branches
@@ -80,11 +80,11 @@ def _candidates(
     """(distance, branch, index) of the sheets that pass near a row, nearest first."""
     out = []
     for branch in file.values():
-        for i in sheets(branch, delta):
-            t, e = estimate(branch, int(i), delta)
+        for i in intervals(branch, delta):
+            t, e = estimate(branch, i, delta)
             distance = max(relative(tension, t), relative(energy, e))
             if distance < SCREEN:
-                out.append((distance, branch, int(i)))
+                out.append((distance, branch, i))
     out.sort(key=lambda item: item[0])
     return out[:CANDIDATES]
 
@@ -122,16 +122,17 @@ def compare(run: Any, file: BranchFile, every: int = 1) -> np.ndarray:
             file, delta, float(row["end_tension"]), float(row["energy_hat"])
         ):
             try:
-                landing = land(branch, k, delta)
-            except NotConverged:
+                found = landings(branch, k, delta)
+            except NotConverged:  # the row is held against the other sheets
                 continue
-            errors = _errors(run, i, row, landing)
-            distance = max(errors[0], errors[1], errors[3])
-            if distance < best:
-                best = distance
-                for name, value in zip(ERRORS, errors, strict=True):
-                    result[name] = value
-                result["branch"] = branch.name if distance < ON_BRANCH else ""
+            for landing in found:
+                errors = _errors(run, i, row, landing)
+                distance = max(errors[0], errors[1], errors[3])
+                if distance < best:
+                    best = distance
+                    for name, value in zip(ERRORS, errors, strict=True):
+                        result[name] = value
+                    result["branch"] = branch.name if distance < ON_BRANCH else ""
             if best < 1e-3:
                 break
     return out

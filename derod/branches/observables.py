@@ -9,6 +9,17 @@ from derod.branches.fields import evaluate_fields
 from derod.branches.gauss import WEIGHTS
 from derod.branches.state import HalfRod
 
+SCALED = (
+    "end_tension",
+    "energy_hat",
+    "energy_total",
+    "energy_bend",
+    "energy_twist",
+    "energy_wall",
+    "meniscus_force",
+)
+"""What is multiplied by K/K0, so that files and landings are in units of K0 as run files are."""
+
 
 def observables(state: HalfRod) -> dict[str, float]:
     """End-shortening, tension, energies (K0/D), wetted length, meniscus force and drop_y of a

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from derod.branches.compare import compare, exceeds, report, shape_distance, worst
-from derod.branches.landing import center_line, land, sheets
+from derod.branches.landing import center_line
 from derod.branches.record import open_branches
 from derod.errors import SceneError
 from derod.scene import load_scene
@@ -23,8 +23,7 @@ class FakeRun:
         self.scene = load_scene(RUNS / scene)
         self.landings = []
         for name, delta in PLACES:
-            index = sheets(file[name], delta * np.pi)
-            self.landings.append(land(file[name], int(index[0]), delta * np.pi))
+            self.landings.append(file[name].at(delta * np.pi)[0])
         self.table = np.zeros(len(PLACES), DTYPE)
         for row, landing in zip(self.table, self.landings, strict=True):
             for name in self.table.dtype.names:
@@ -98,14 +97,3 @@ def test_shape_distance_sees_shapes_not_poses(rng):
     assert shape_distance(pose, curve) < 1e-14
     pose[20, 2] += 0.01
     assert shape_distance(pose, curve) == pytest.approx(0.01, abs=1e-9)
-
-
-def test_landing_is_exact(file):
-    landing = land(file["3D"], int(sheets(file["3D"], 3.0)[0]), 3.0)
-    assert landing.values["end_shortening"] == pytest.approx(3.0, abs=1e-14)
-
-
-def test_sheets_of_ax(file):
-    """Three sheets between the folds at 0.637 pi and 1.331 pi."""
-    assert len(sheets(file["Ax"], 1.0 * np.pi)) == 3
-    assert len(sheets(file["Ax"], 0.3 * np.pi)) == 1
