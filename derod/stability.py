@@ -1,8 +1,15 @@
 """Stability of settled states: unstable modes, the slope of the branch, the lowest mode.
 
 The Hessian of the Lagrangian on the constraints decides: its negative eigenvalues are counted by the
-inertia of its factor. Turning the coil about the clamp axis and sliding the drop along the rod are
-neutral; both are outside the count (ARCHITECTURE.md, "Neutral modes").
+inertia of its factor. Turning the coil about the clamp axis is neutral and outside the count
+(ARCHITECTURE.md, "Neutral modes").
+
+Sliding the drop along the rod, both menisci by the same length c, is outside it too: s_A + s_B is
+pinned. Its stiffness k = d^2E/dc^2, all else relaxed, falls like the square of the bending moment at
+the clamps, exp(-2 sqrt(t) outer length), below what a mesh resolves. The pin's own entry of the inverse
+tells it: released, s_A + s_B = 2 c, the matrix has one negative eigenvalue more where k < 0
+(Haynsworth). That is counted by itself, ``slides``, where the moment at a clamp is above CLAMP_MOMENT:
+the rule of the branches.
 """
 
 from __future__ import annotations
@@ -16,6 +23,7 @@ from derod.core.newton import FIRST_SHIFT, LARGEST_SHIFT
 from derod.state import State
 from derod.system import Energies, System
 
+CLAMP_MOMENT = 0.15  # K/D; above it sliding is resolved
 HALVINGS = 8  # of the bracket of the lowest eigenvalue
 SWEEPS, SETTLED = 30, 1e-10  # of inverse iteration, at most; relative change of its last one
 
@@ -32,10 +40,22 @@ class Equilibrium:
     settled: bool  # the residual meets the scene's tolerance
     turning: float  # radians, the largest turning angle at a node
     wall_gap: float  # D
-    unstable_modes: int
+    unstable_modes: int  # the drop held in its place along the rod
     slope_q: np.ndarray  # dq/ddelta
     slope_b: np.ndarray  # db/ddelta
     stiffness: float  # dt/ddelta along the branch
+    sliding_stiffness: float  # k, K/D^3; inf without a drop
+    clamp_moment: float  # the larger of the two clamps', K/D
+
+    @property
+    def slides(self) -> bool:
+        """Return whether sliding the drop along the rod is one more unstable mode."""
+        return self.clamp_moment > CLAMP_MOMENT and self.sliding_stiffness < 0
+
+    @property
+    def released_modes(self) -> int:
+        """Return the unstable modes, sliding among them."""
+        return self.unstable_modes + self.slides
 
 
 def analyse(system: System, state: State, tolerance: float | None = None) -> Equilibrium:
@@ -54,6 +74,7 @@ def analyse(system: System, state: State, tolerance: float | None = None) -> Equ
     slope_q = np.zeros_like(state.q)
     slope_q[1:] = solution
     slope_q[-1, system.dimension - 1] = -1.0
+    sliding, moment = sliding_stiffness(system), clamp_moment(system)
     energies = system.energies(state)
     return Equilibrium(
         end_shortening=state.end_shortening,
@@ -68,7 +89,30 @@ def analyse(system: System, state: State, tolerance: float | None = None) -> Equ
         slope_q=slope_q,
         slope_b=border[: state.b.size],
         stiffness=stiffness,
+        sliding_stiffness=sliding,
+        clamp_moment=moment,
     )
+
+
+def sliding_stiffness(system: System) -> float:
+    """Return k = d^2E/dc^2 (K/D^3) of sliding the drop by c, from the matrix factored last."""
+    if not system.physics.drop:
+        return np.inf
+    pin, factor = X_C + system.dimension + 2, system.factor
+    return float(-4.0 * factor.scale[pin] ** 2 * factor.schur[pin, pin])
+
+
+def clamp_moment(system: System) -> float:
+    """Return the larger bending moment at a clamp (K/D), linearly from the two vertices beside it."""
+    kin = system.room.kin
+    out = []
+    for first, second, edge in ((0, 1, 1), (-1, -2, -2)):
+        near = 2 * kin.weight[first] * kin.change[:, first]  # the mean of [0, h/2]
+        far = 2 * kin.weight[second] * kin.change[:, second]  # of the cell around the first node
+        at_far = kin.rest[edge] + 0.25 * (1 / kin.weight[second] - 2 * kin.rest[edge])
+        at_near = 0.25 * kin.rest[edge]
+        out.append(near - (far - near) * at_near / (at_far - at_near))
+    return float(np.linalg.norm(out, axis=1).max())
 
 
 def clamp_column(system: System) -> tuple[np.ndarray, np.ndarray]:

@@ -33,6 +33,8 @@ def on_a_branch(delta: float, holonomy: float = 0.0, energy: float = 0.0) -> Equ
         slope_q=np.zeros((2, 4)),
         slope_b=np.zeros(8),
         stiffness=math.cos(delta),
+        sliding_stiffness=math.inf,
+        clamp_moment=0.0,
     )
 
 
