@@ -177,8 +177,8 @@ def _roots(interval: Interval, delta: float, hidden: bool) -> list[float]:
     """The projections x at which the interval passes ``delta``, in growing order."""
 
     def off(x: float) -> float:
-        if x == interval.length:
-            return float(interval.ends["end_shortening"][1]) - delta
+        if x in (0.0, interval.length):  # as stored, so that no state falls between two intervals
+            return float(interval.ends["end_shortening"][int(x > 0.0)]) - delta
         return interval.at(x).state.end_shortening - delta
 
     knots = [share * interval.length for share in (SAMPLES if hidden else (0.0,))]
