@@ -14,11 +14,13 @@ from derod.branches.fields import evaluate_fields, interpolate
 from derod.branches.interval import TOLERANCE, Interval, Place, solved
 from derod.branches.linear import Reduced, linearise
 from derod.branches.mesh import RESOLUTION, adapted, halved
+from derod.branches.mirror import FULL
 from derod.branches.newton import settle
 from derod.branches.observables import SCALED, observables
 from derod.branches.outcome import NotConverged
 from derod.branches.stability import Stability, stability
 from derod.branches.state import HalfRod
+from derod.branches.threads import one_blas_thread
 from derod.errors import DerodError
 
 if TYPE_CHECKING:
@@ -29,7 +31,9 @@ ACCURACY = 1e-8
 REFINEMENTS = (1.4, 2.0, 2.8)
 SAMPLES = (0.0, 0.25, 0.5, 0.75, 0.9, 0.97)
 """Shares of an interval at which a fold is looked for where one may be hidden."""
-JOINT_ERRORS = 2.0
+JOINT_SHIFT = 2e-8
+"""D: where a joint lies changes by up to 6e-9 from mesh to mesh; nearer to it than this a space
+path's landing is the joint, in its plane."""
 ON_POINT = 1e-12
 """End-shortenings (D) this near to a stored point's are that point's."""
 
@@ -71,6 +75,7 @@ class Landing:
         return self.stability.even, self.stability.odd + self.stability.slides
 
 
+@one_blas_thread
 def states_at(branch: StoredBranch, delta: float) -> tuple[Landing, ...]:
     """The branch's states at end-shortening ``delta`` (D), in the order of its points.
 
@@ -145,25 +150,31 @@ def landings(branch: StoredBranch, i: int, delta: float) -> list[Landing]:
 def _at(branch: StoredBranch, point: int, delta: float) -> bool:
     """Whether ``delta`` is that of a stored point.
 
-    A joint's own end-shortening is known to its ``error``; nearer to it no mesh tells the space curve
-    from the planar one.
+    Beside a joint no mesh tells the space curve from the planar one within JOINT_SHIFT.
     """
-    row = branch.table[point]
-    nearest = ON_POINT
-    if point in (0, len(branch) - 1) and point in branch.bifurcations["index"]:
-        nearest = max(nearest, JOINT_ERRORS * float(row["error"]))
-    return bool(abs(row["end_shortening"] - delta) < nearest)
+    joint = branch.mirror == FULL.name and point in (0, len(branch) - 1)
+    joint = joint and point in branch.bifurcations["index"]
+    nearest = JOINT_SHIFT if joint else ON_POINT
+    return bool(abs(branch.table["end_shortening"][point] - delta) < nearest)
 
 
 def _on_point(branch: StoredBranch, interval: int, point: int, delta: float) -> Landing:
+    """The landing on a stored point; what ``delta`` is off the point's is in the errors."""
     settled = solved(branch, point)
-    error = float(branch.table["error"][point])
-    state = settled.state.set_scalar(col.DELTA, delta)
-    share = float(point - interval)
-    special = point in branch.bifurcations["index"]
-    return Landing(
-        branch.name, interval, share, state, _values(branch, state), error, error, special
+    a, b = branch.table[point], branch.table[point - 1 if point > interval else point + 1]
+    off = abs(delta - a["end_shortening"])
+    span = max(abs(b["end_shortening"] - a["end_shortening"]), off)
+    slope = abs(b["end_tension"] - a["end_tension"]) / span if span else 0.0
+    force = float(settled.state.scalars[5]) * branch.parameters.bending
+    tension = float(a["error"] + off * slope / max(1.0, abs(a["end_tension"])))
+    energy = float(
+        a["error"] + off * abs(force - a["end_tension"]) / max(1.0, abs(a["energy_hat"]))
     )
+    state = settled.state.set_scalar(col.DELTA, delta)
+    special = bool(point in branch.bifurcations["index"])
+    values = _values(branch, state)
+    share = float(point - interval)
+    return Landing(branch.name, interval, share, state, values, tension, energy, special)
 
 
 def _values(branch: StoredBranch, state: HalfRod) -> dict[str, float]:
@@ -275,8 +286,7 @@ def _errors(interval: Interval, place: Place, delta: float) -> tuple[float, floa
 
 
 def center_line(state: HalfRod, s: np.ndarray) -> np.ndarray:
-    """Places (k, 3) of the whole rod at arc lengths ``s`` (k,) from the first clamp (at the
-    origin), D."""
+    """Places (k, 3) of the whole rod at arc lengths ``s`` (k,) from the clamp at the origin, D."""
     half = 0.5 * state.parameters.length
     from_middle = np.asarray(s, dtype=float) - half
     nodes = np.delete(state.node_arc_length, state.inner + 1)
