@@ -13,6 +13,7 @@ from derod.branches.landing import Landing, center_line, estimate, intervals, la
 from derod.branches.outcome import NotConverged
 from derod.branches.parameters import Parameters
 from derod.branches.record import BranchFile, open_branches
+from derod.branches.threads import one_blas_thread
 from derod.errors import DerodError, SceneError
 
 if TYPE_CHECKING:
@@ -100,6 +101,7 @@ def _errors(run: Any, i: int, row: np.void, landing: Landing) -> tuple[float, fl
     )
 
 
+@one_blas_thread
 def compare(run: Any, file: BranchFile, every: int = 1) -> np.ndarray:
     """Compare the rows of a run with branches of the same rod: an array of ROW.
 

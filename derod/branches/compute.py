@@ -11,6 +11,7 @@ from derod.branches.outcome import NotConverged
 from derod.branches.parameters import Parameters
 from derod.branches.special import SpuriousPoint
 from derod.branches.straight import NoBuckling
+from derod.branches.threads import one_blas_thread
 
 FAMILIES = ("Ax", "3D", "L", "Pt", "Tri")
 """First letters of the names: 3D is also 3D-L2, L all of L1, L2, ..., Tri all of Tri1, Tri2, ..."""
@@ -37,6 +38,7 @@ def wanted(name: str, asked: Iterable[str]) -> bool:
     return any(name == one or (one in ("3D", "L", "Tri") and family(name) == one) for one in asked)
 
 
+@one_blas_thread
 def compute_branches(
     parameters: Parameters,
     paths: Iterable[str] | None = None,
