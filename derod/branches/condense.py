@@ -2,7 +2,8 @@
 
 Inputs z of an element, 14: its left state (w, q, n) and (c_x, c_z, u3, sigma). Stage places and
 forces are explicit in the stage quaternions, dW = Wz z + h A E dQ, dN = Nz z + h^2 A A H E dQ, so
-that only the quaternion equations are solved, 4 m unknowns an element.
+that only the quaternion equations are solved, 4 m unknowns an element. Arrays are laid out so that the
+innermost loops run over an element's 4 m stage unknowns or its 15 right-hand sides.
 """
 
 from __future__ import annotations
@@ -16,6 +17,9 @@ from derod.branches.gauss import MATRIX, STAGES, WEIGHTS
 _M = STAGES
 _A = MATRIX
 _B = WEIGHTS
+_S = 4 * STAGES  # stage unknowns
+_R = INPUTS + 1  # right-hand sides: the inputs, and the stages' own Newton step
+_P = _S + _R
 
 
 @njit(cache=True, error_model="numpy", inline="always")
@@ -51,20 +55,19 @@ def _quaternion_product(q, L):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy", inline="always")
-def _rates_by_inputs(q, L, W, N, Wz, Nz, k3, Pz):  # type: ignore[no-untyped-def]
-    """Derivative Pz (4, 15) of one stage's q' by the inputs; dm = dc + N x dW - W x dN."""
-    for z in range(INPUTS):
-        w0, w1, w2 = Wz[0, z], Wz[1, z], Wz[2, z]
-        n0, n1, n2 = Nz[0, z], Nz[1, z], Nz[2, z]
-        m0 = N[1] * w2 - N[2] * w1 - W[1] * n2 + W[2] * n1
-        m1 = N[2] * w0 - N[0] * w2 - W[2] * n0 + W[0] * n2
-        m2 = N[0] * w1 - N[1] * w0 - W[0] * n1 + W[1] * n0
-        if z == 10:
-            m0 += 1.0
-        if z == 11:
-            m2 += 1.0
-        for a in range(4):
-            Pz[a, z] = L[a, 0] * m0 + L[a, 1] * m1 + L[a, 2] * m2
+def _rates_by_inputs(q, L, W, N, Wz, Nz, k3, m, Pz):  # type: ignore[no-untyped-def]
+    """Derivative Pz (4, 15) of one stage's q' by the inputs; dm = dc + N x dW - W x dN in m (3, 15)."""
+    for z in range(_R):
+        m[0, z] = N[1] * Wz[2, z] - N[2] * Wz[1, z] - W[1] * Nz[2, z] + W[2] * Nz[1, z]
+    for z in range(_R):
+        m[1, z] = N[2] * Wz[0, z] - N[0] * Wz[2, z] - W[2] * Nz[0, z] + W[0] * Nz[2, z]
+    for z in range(_R):
+        m[2, z] = N[0] * Wz[1, z] - N[1] * Wz[0, z] - W[0] * Nz[1, z] + W[1] * Nz[0, z]
+    m[0, 10] += 1.0
+    m[2, 11] += 1.0
+    for a in range(4):
+        for z in range(_R):
+            Pz[a, z] = L[a, 0] * m[0, z] + L[a, 1] * m[1, z] + L[a, 2] * m[2, z]
     half_k = 0.5 * (1.0 - k3)
     Pz[0, 12] -= half_k * q[3]
     Pz[1, 12] += half_k * q[2]
@@ -74,181 +77,162 @@ def _rates_by_inputs(q, L, W, N, Wz, Nz, k3, Pz):  # type: ignore[no-untyped-def
 
 @njit(cache=True, error_model="numpy", inline="always")
 def _rates_by_stages(j, h, wet, L, W, N, H, E, T, C, CE, PQ):  # type: ignore[no-untyped-def]
-    """Derivatives PQ (m, 4, 4) of stage j's q' by all stage quaternions, through m alone."""
+    """Derivatives PQ (4, 4 m) of stage j's q' by all stage quaternions, through m alone."""
     for other in range(_M):
         f = h * _A[j, other]
         C[0, 0], C[0, 1], C[0, 2] = 0.0, -f * N[2], f * N[1]
         C[1, 0], C[1, 1], C[1, 2] = f * N[2], 0.0, -f * N[0]
         C[2, 0], C[2, 1], C[2, 2] = -f * N[1], f * N[0], 0.0
         if wet:
-            for a in range(3):
-                for b in range(3):
-                    total = 0.0
-                    for k in range(_M):
-                        total += _A[j, k] * _A[k, other] * H[k, a, b]
-                    T[a, b] = h * h * total
+            T[:] = 0.0
+            for k in range(_M):
+                g = h * h * _A[j, k] * _A[k, other]
+                for a in range(3):
+                    for b in range(3):
+                        T[a, b] += g * H[k, a, b]
             for b in range(3):
                 C[0, b] -= W[1] * T[2, b] - W[2] * T[1, b]
                 C[1, b] -= W[2] * T[0, b] - W[0] * T[2, b]
                 C[2, b] -= W[0] * T[1, b] - W[1] * T[0, b]
         for a in range(3):
             for b in range(4):
-                CE[a, b] = (
+                CE[a, 4 * other + b] = (
                     C[a, 0] * E[other, 0, b] + C[a, 1] * E[other, 1, b] + C[a, 2] * E[other, 2, b]
                 )
-        for a in range(4):
-            for b in range(4):
-                PQ[other, a, b] = L[a, 0] * CE[0, b] + L[a, 1] * CE[1, b] + L[a, 2] * CE[2, b]
+    for a in range(4):
+        for b in range(_S):
+            PQ[a, b] = L[a, 0] * CE[0, b] + L[a, 1] * CE[1, b] + L[a, 2] * CE[2, b]
 
 
 @njit(cache=True, error_model="numpy", inline="always")
-def _add_own_rate(m, twist, own):  # type: ignore[no-untyped-def]
-    """Add to own (4, 4) the matrix of q to (m q + twist q e_3)/2."""
+def _add_own_rate(m, twist, first, PQ):  # type: ignore[no-untyped-def]
+    """Add to PQ (4, 4 m), from column ``first``, the matrix of q to (m q + twist q e_3)/2."""
     m0, m1, m2 = 0.5 * m[0], 0.5 * m[1], 0.5 * m[2]
     t = 0.5 * twist
-    own[0, 1] -= m0
-    own[0, 2] -= m1
-    own[0, 3] -= m2 + t
-    own[1, 0] += m0
-    own[1, 2] += t - m2
-    own[1, 3] += m1
-    own[2, 0] += m1
-    own[2, 1] += m2 - t
-    own[2, 3] -= m0
-    own[3, 0] += m2 + t
-    own[3, 1] -= m1
-    own[3, 2] += m0
-
-
-@njit(cache=True, error_model="numpy")
-def _solve_in_place(S, X, size, columns):  # type: ignore[no-untyped-def]
-    """Gaussian elimination with row pivoting: X := S^-1 X, S is destroyed."""
-    for c in range(size):
-        best = c
-        for r in range(c + 1, size):
-            if abs(S[r, c]) > abs(S[best, c]):
-                best = r
-        if best != c:
-            for k in range(c, size):
-                S[c, k], S[best, k] = S[best, k], S[c, k]
-            for k in range(columns):
-                X[c, k], X[best, k] = X[best, k], X[c, k]
-        inverse = 1.0 / S[c, c]
-        for r in range(c + 1, size):
-            factor = S[r, c] * inverse
-            if factor != 0.0:
-                for k in range(c + 1, size):
-                    S[r, k] -= factor * S[c, k]
-                for k in range(columns):
-                    X[r, k] -= factor * X[c, k]
-    for r in range(size - 1, -1, -1):
-        inverse = 1.0 / S[r, r]
-        for k in range(columns):
-            X[r, k] *= inverse
-        for above in range(r):
-            factor = S[above, r]
-            if factor != 0.0:
-                for k in range(columns):
-                    X[above, k] -= factor * X[r, k]
+    PQ[0, first + 1] -= m0
+    PQ[0, first + 2] -= m1
+    PQ[0, first + 3] -= m2 + t
+    PQ[1, first] += m0
+    PQ[1, first + 2] += t - m2
+    PQ[1, first + 3] += m1
+    PQ[2, first] += m1
+    PQ[2, first + 1] += m2 - t
+    PQ[2, first + 3] -= m0
+    PQ[3, first] += m2 + t
+    PQ[3, first + 1] -= m1
+    PQ[3, first + 2] += m0
 
 
 @njit(cache=True, error_model="numpy", inline="always")
-def _stage_equations(y, Q, P, Pz, PQ, h, dh, S, x):  # type: ignore[no-untyped-def]
-    """Matrix S, right-hand sides x of Q_j = q + h sum_k A_jk P_k; returns the largest residual."""
+def _solve_stages(T):  # type: ignore[no-untyped-def]
+    """Gaussian elimination with row pivoting of T (4 m, 4 m + 15): its last columns := S^-1 x."""
+    for c in range(_S):
+        best = c
+        for r in range(c + 1, _S):
+            if abs(T[r, c]) > abs(T[best, c]):
+                best = r
+        if best != c:
+            for k in range(c, _P):
+                T[c, k], T[best, k] = T[best, k], T[c, k]
+        inverse = 1.0 / T[c, c]
+        for r in range(c + 1, _S):
+            factor = T[r, c] * inverse
+            if factor != 0.0:
+                for k in range(c + 1, _P):
+                    T[r, k] -= factor * T[c, k]
+    for r in range(_S - 1, -1, -1):
+        inverse = 1.0 / T[r, r]
+        for k in range(_S, _P):
+            T[r, k] *= inverse
+        for above in range(r):
+            factor = T[above, r]
+            for k in range(_S, _P):
+                T[above, k] -= factor * T[r, k]
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _stage_equations(y, Q, P, Pz, PQ, h, dh, T):  # type: ignore[no-untyped-def]
+    """Matrix and right-hand sides T (4 m, 4 m + 15) of Q_j = q + h sum_k A_jk P_k.
+
+    Returns the largest residual.
+    """
     worst = 0.0
     for j in range(_M):
         for a in range(4):
-            row = 4 * j + a
-            for other in range(_M):
-                for b in range(4):
-                    total = 0.0
-                    for k in range(_M):
-                        total += _A[j, k] * PQ[k, other, a, b]
-                    S[row, 4 * other + b] = -h * total
-            S[row, row] += 1.0
+            row = T[4 * j + a]
+            row[:] = 0.0
             mean = 0.0
             for k in range(_M):
+                f = h * _A[j, k]
                 mean += _A[j, k] * P[k, a]
-            for z in range(INPUTS):
-                total = 0.0
-                for k in range(_M):
-                    total += _A[j, k] * Pz[k, a, z]
-                x[row, z] = h * total
-            x[row, 3 + a] += 1.0
-            x[row, 13] += dh * mean
+                for b in range(_S):
+                    row[b] -= f * PQ[k, a, b]
+                for z in range(_R):
+                    row[_S + z] += f * Pz[k, a, z]
+            row[4 * j + a] += 1.0
+            row[_S + 3 + a] += 1.0
+            row[_S + 13] += dh * mean
             residual = y[3 + a] + h * mean - Q[j, a]
-            x[row, INPUTS] = residual
+            row[_S + INPUTS] = residual
             worst = max(worst, abs(residual))
     return worst
 
 
 @njit(cache=True, error_model="numpy", inline="always")
-def _right_place_and_force(y, right, D, G, H, E, x, h, dh, wet, Wz, A, r):  # type: ignore[no-untyped-def]
-    """Rows w and n of the end map; column INPUTS of x and Wz is the stages' own Newton step."""
-    for j in range(_M):
+def _ends_by_stages(E, H, PQ, h, wet, T, ends):  # type: ignore[no-untyped-def]
+    """Derivative ``ends`` (10, 4 m) of the right end (w, q, n) by the stage quaternions."""
+    ends[:] = 0.0
+    for k in range(_M):
         for a in range(3):
-            for z in range(INPUTS + 1):
-                total = 0.0
-                for k in range(_M):
-                    f = _A[j, k]
-                    for b in range(4):
-                        total += f * E[k, a, b] * x[4 * k + b, z]
-                Wz[j, a, z] += h * total
-    for a in range(3):
-        for z in range(INPUTS + 1):
-            total = 0.0
-            for k in range(_M):
-                for b in range(4):
-                    total += _B[k] * E[k, a, b] * x[4 * k + b, z]
-            if z < INPUTS:
-                A[a, z] = h * total
-            else:
-                r[a] = h * total
-            total = 0.0
-            if wet:
-                for k in range(_M):
-                    for b in range(3):
-                        total += _B[k] * H[k, a, b] * Wz[k, b, z]
-            if z < INPUTS:
-                A[7 + a, z] = h * total
-            else:
-                r[7 + a] = h * total
-        A[a, a] += 1.0
-        A[7 + a, 7 + a] += 1.0
-        speed = 0.0
-        force = 0.0
+            for b in range(4):
+                ends[a, 4 * k + b] = h * _B[k] * E[k, a, b]
+        for a in range(4):
+            for b in range(_S):
+                ends[3 + a, b] += h * _B[k] * PQ[k, a, b]
+    if wet:
         for k in range(_M):
-            speed += _B[k] * D[k, a]
-            if wet:
-                force += _B[k] * G[k, a]
-        A[a, 13] += dh * speed
-        A[7 + a, 13] += dh * force
-        r[a] += y[a] + h * speed - right[a]
-        r[7 + a] += y[7 + a] + h * force - right[7 + a]
+            T[:] = 0.0
+            for j in range(_M):
+                g = h * h * _B[j] * _A[j, k]
+                for a in range(3):
+                    for b in range(3):
+                        T[a, b] += g * H[j, a, b]
+            for a in range(3):
+                for b in range(4):
+                    ends[7 + a, 4 * k + b] = (
+                        T[a, 0] * E[k, 0, b] + T[a, 1] * E[k, 1, b] + T[a, 2] * E[k, 2, b]
+                    )
 
 
 @njit(cache=True, error_model="numpy", inline="always")
-def _right_quaternion(y, right, P, Pz, PQ, x, h, dh, A, r):  # type: ignore[no-untyped-def]
-    """Rows q of the end map."""
-    for a in range(4):
-        for z in range(INPUTS + 1):
-            total = 0.0
-            for k in range(_M):
-                if z < INPUTS:
-                    total += _B[k] * Pz[k, a, z]
-                for other in range(_M):
-                    for b in range(4):
-                        total += _B[k] * PQ[k, other, a, b] * x[4 * other + b, z]
-            if z < INPUTS:
-                A[3 + a, z] = h * total
-            else:
-                r[3 + a] = h * total
-        A[3 + a, 3 + a] += 1.0
-        rate = 0.0
+def _right_end(y, right, D, G, H, P, Pz, Wz, ends, X, h, dh, wet, row, A, r):  # type: ignore[no-untyped-def]
+    """The end map A (10, 14) and its residual r (10,)."""
+    for a in range(10):
+        row[:] = 0.0
+        row[a] = 1.0
+        value = 0.0
         for k in range(_M):
-            rate += _B[k] * P[k, a]
-        A[3 + a, 13] += dh * rate
-        r[3 + a] += y[3 + a] + h * rate - right[3 + a]
+            f = h * _B[k]
+            if a < 3:
+                value += _B[k] * D[k, a]
+            elif a < 7:
+                value += _B[k] * P[k, a - 3]
+                for z in range(_R):
+                    row[z] += f * Pz[k, a - 3, z]
+            elif wet:
+                value += _B[k] * G[k, a - 7]
+                for b in range(3):
+                    g = f * H[k, a - 7, b]
+                    for z in range(_R):
+                        row[z] += g * Wz[k, b, z]
+        for s in range(_S):
+            f = ends[a, s]
+            for z in range(_R):
+                row[z] += f * X[s, z]
+        row[13] += dh * value
+        for z in range(INPUTS):
+            A[a, z] = row[z]
+        r[a] = row[INPUTS] + y[a] + h * value - right[a]
 
 
 @njit(cache=True, error_model="numpy")
@@ -265,11 +249,11 @@ def condense(nodes, Q, eta, inner, half, p, k3, strength, softness, A, r, X):  #
     """
     D, W, N, Mm = np.empty((_M, 3)), np.empty((_M, 3)), np.empty((_M, 3)), np.empty((_M, 3))
     G, H, P = np.zeros((_M, 3)), np.zeros((_M, 3, 3)), np.empty((_M, 4))
-    E, PQ = np.empty((_M, 3, 4)), np.empty((_M, _M, 4, 4))
-    Wz, Nz = np.empty((_M, 3, INPUTS + 1)), np.empty((_M, 3, INPUTS + 1))
-    Pz = np.empty((_M, 4, INPUTS + 1))
-    T, C, CE, L = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 4)), np.empty((4, 3))
-    S = np.empty((4 * _M, 4 * _M))
+    E, PQ = np.empty((_M, 3, 4)), np.empty((_M, 4, _S))
+    Wz, Nz = np.empty((_M, 3, _R)), np.empty((_M, 3, _R))
+    Pz, dm = np.empty((_M, 4, _R)), np.empty((3, _R))
+    T, C, CE, L = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, _S)), np.empty((4, 3))
+    system, ends, row = np.empty((_S, _P)), np.empty((10, _S)), np.empty(_R)
     gap = 1.0
     worst = 0.0
     twist = (1.0 - k3) * p[2]
@@ -285,11 +269,14 @@ def condense(nodes, Q, eta, inner, half, p, k3, strength, softness, A, r, X):  #
         _explicit_inputs(D, G, H, h, dh, wet, Wz, Nz)
         for j in range(_M):
             _quaternion_product(Q[e, j], L)
-            _rates_by_inputs(Q[e, j], L, W[j], N[j], Wz[j], Nz[j], k3, Pz[j])
+            _rates_by_inputs(Q[e, j], L, W[j], N[j], Wz[j], Nz[j], k3, dm, Pz[j])
             _rates_by_stages(j, h, wet, L, W[j], N[j], H, E, T, C, CE, PQ[j])
-            _add_own_rate(Mm[j], twist, PQ[j, j])
-        worst = max(worst, _stage_equations(y, Q[e], P, Pz, PQ, h, dh, S, X[e]))
-        _solve_in_place(S, X[e], 4 * _M, INPUTS + 1)
-        _right_place_and_force(y, right, D, G, H, E, X[e], h, dh, wet, Wz, A[e], r[e])
-        _right_quaternion(y, right, P, Pz, PQ, X[e], h, dh, A[e], r[e])
+            _add_own_rate(Mm[j], twist, 4 * j, PQ[j])
+        worst = max(worst, _stage_equations(y, Q[e], P, Pz, PQ, h, dh, system))
+        _solve_stages(system)
+        for s in range(_S):
+            for z in range(_R):
+                X[e, s, z] = system[s, _S + z]
+        _ends_by_stages(E, H, PQ, h, wet, T, ends)
+        _right_end(y, right, D, G, H, P, Pz, Wz, ends, X[e], h, dh, wet, row, A[e], r[e])
     return gap, worst

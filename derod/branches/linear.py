@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.linalg.lapack import dgesv
 
 from derod.branches import closure as col
 from derod.branches.chain import expand_chain, expand_stages, reduce_chain
@@ -88,10 +89,12 @@ class Reduced:
         d, inputs = mirror.states, mirror.parameters
         size, count, inner = d.size, state.eta.size, state.inner
         width = 2 * size + inputs.size + 1
-        self.kept_rows = np.zeros((count, size, 3 * size + inputs.size + 1))
+        self.kept_rows = np.empty((count, size, 3 * size + inputs.size + 1))
         wet, dry = np.empty((size, width)), np.empty((size, width))
-        flip = reduce_chain(elements.A, elements.r, 0, inner, d, inputs, wet, self.kept_rows)
-        flip ^= reduce_chain(elements.A, elements.r, inner, count, d, inputs, dry, self.kept_rows)
+        self.ends = np.zeros(count, dtype=np.int64)
+        rest = (self.kept_rows, self.ends)
+        flip = reduce_chain(elements.A, elements.r, 0, inner, d, inputs, wet, *rest)
+        flip ^= reduce_chain(elements.A, elements.r, inner, count, d, inputs, dry, *rest)
         self.sign = -1.0 if flip else 1.0
         rows = mirror.conditions
         self.matrix = np.zeros((2 * size + rows.size, KEPT))
@@ -125,15 +128,21 @@ class Reduced:
         """Kept unknowns' increments (k, 36) for rows ``closing`` (2, 36) with right-hand sides.
 
         ``values`` (k, 3): the two closing rows' values, and 1 for a Newton step or 0 for a
-        derivative.
+        derivative. Raises LinAlgError where the matrix is singular.
         """
-        columns = np.concatenate([self.columns, [col.DELTA, col.FGAMMA]])
-        matrix = np.vstack([self.matrix[:, columns], closing[:, columns]])
-        right = np.empty((matrix.shape[0], values.shape[0]))
+        columns = self.mirror.closed
+        count = self.right.size
+        matrix = np.empty((count + 2, columns.size))
+        matrix[:-2] = self.matrix[:, columns]
+        matrix[-2:] = closing[:, columns]
+        right = np.empty((count + 2, values.shape[0]))
         right[:-2] = self.right[:, None] * values[:, 2]
         right[-2:] = values[:, :2].T
+        _, _, solution, singular = dgesv(matrix, right)
+        if singular:
+            raise np.linalg.LinAlgError("singular matrix")
         out = np.zeros((values.shape[0], KEPT))
-        out[:, columns] = np.linalg.solve(matrix, right).T
+        out[:, columns] = solution.T
         return out
 
     def expand(self, kept: np.ndarray, own: float) -> Increment:
@@ -147,8 +156,9 @@ class Reduced:
         step = elements.jump_jacobian[:, :10] @ kept[10:20]
         step += elements.jump_jacobian[:, 10] * kept[col.FGAMMA] + own * elements.jump_residual
         nodes[inner + 1, d] = step[d]
-        expand_chain(self.kept_rows, 0, inner, 0, d, inputs, dp, own, nodes)
-        expand_chain(self.kept_rows, inner, count, inner + 1, d, inputs, dp, own, nodes)
+        chain = (self.kept_rows, self.ends, elements.A, elements.r)
+        expand_chain(*chain, 0, inner, 0, d, inputs, dp, own, nodes)
+        expand_chain(*chain, inner, count, inner + 1, d, inputs, dp, own, nodes)
         stages = np.empty_like(state.stages)
         expand_stages(elements.X, inner, nodes, dp, own, stages)
         return Increment(nodes, stages, kept[col.CX :].copy())

@@ -11,6 +11,7 @@ numbers of loops).
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -28,11 +29,16 @@ class Mirror:
     parameters: np.ndarray  # among c_x, c_z, u3, sigma, as 10..13
     conditions: np.ndarray  # rows of closure.conditions
 
-    @property
+    @cached_property
     def kept(self) -> np.ndarray:
         """Columns of this class among the 36 kept unknowns, without delta and f_gamma."""
         d = self.states
         return np.concatenate([d, 10 + d, 20 + d, self.parameters + 20])
+
+    @cached_property
+    def closed(self) -> np.ndarray:
+        """Columns of this class with delta and f_gamma."""
+        return np.concatenate([self.kept, [row.DELTA, row.FGAMMA]])
 
 
 def _mirror(name: str, states: list[int], parameters: list[int], conditions: list[int]) -> Mirror:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
-from derod.branches.fields import evaluate_fields
 from derod.branches.linear import Reduced, linearise
 from derod.branches.mirror import Mirror
 from derod.branches.outcome import NotConverged
@@ -41,11 +41,11 @@ def settle(
     the final state. Raises NotConverged after ``max_iterations``, at the wall, or on a singular
     matrix.
     """
+    elements = linearise(state)
     for iteration in range(max_iterations + 1):
-        elements = linearise(state)
         missing = values - closing @ state.kept
         residual = max(elements.residual, float(np.abs(missing).max()))
-        if not np.isfinite(residual) or elements.gap <= 0.0:
+        if not math.isfinite(residual) or elements.gap <= 0.0:
             raise NotConverged(f"the state left the wall's inside (residual {residual:.1e})")
         reduced = Reduced(elements, mirror)
         if residual <= tolerance:
@@ -58,11 +58,12 @@ def settle(
             raise NotConverged("singular Jacobian") from error
         step = reduced.expand(kept, 1.0)
         factor = 1.0
-        moved = state.moved(step)
-        while not evaluate_fields(moved).gap > WALL_SHARE * elements.gap:
+        least = WALL_SHARE * elements.gap
+        elements = linearise(state.moved(step))
+        while not elements.gap > least:
             factor *= 0.5
             if factor < 1e-3:
                 raise NotConverged("the wall stops the step")
-            moved = state.moved(step, factor)
-        state = moved
+            elements = linearise(state.moved(step, factor))
+        state = elements.state
     raise NotConverged(f"residual {residual:.1e} after {max_iterations} iterations")

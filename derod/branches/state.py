@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -18,7 +19,7 @@ class HalfRod:
     [sigma, l/2] for the rest. ``nodes`` (E+2, 10): w = r - r_C, q, n at element ends, the meniscus
     twice (before and after the jump). ``stages`` (E, m, 4): quaternions at the Gauss points.
     ``scalars`` (6,): c_x, c_z, u3, sigma, delta, f_gamma (f_gamma may differ from the parameters'
-    own while a path is sought at another capillary force).
+    own while a path is sought at another capillary force). Arrays are not changed once they are here.
     """
 
     parameters: Parameters
@@ -43,20 +44,20 @@ class HalfRod:
         """T = n(l/2) . d_3(l/2) = n_z(l/2) (K0/D^2)."""
         return float(self.nodes[-1, 9])
 
-    @property
+    @cached_property
     def kept(self) -> np.ndarray:
         """The 36 unknowns of ``closure``."""
         ends = self.nodes[[0, self.inner, -1]].ravel()
         return np.concatenate([ends, self.scalars])
 
-    @property
+    @cached_property
     def lengths(self) -> np.ndarray:
         """Element lengths (E,), D."""
         h = self.eta * self.sigma
         h[self.inner :] = self.eta[self.inner :] * (0.5 * self.parameters.length - self.sigma)
         return h
 
-    @property
+    @cached_property
     def node_arc_length(self) -> np.ndarray:
         """Arc length from the middle of every node, the meniscus twice (E+2,), D."""
         s = np.concatenate([[0.0], np.cumsum(self.lengths)])

@@ -25,15 +25,18 @@ def dense(A, r, count):
 
 
 def test_elimination_and_back_substitution(rng):
-    count = 6
+    count = 20
     A, r = random_chain(rng, count)
     out, kept = np.empty((10, 25)), np.zeros((count, 10, 35))
-    reduce_chain(A, r, 0, count, ALL, INPUTS, out, kept)
+    ends = np.zeros(count, dtype=np.int64)
+    reduce_chain(A, r, 0, count, ALL, INPUTS, out, kept, ends)
     first, dp = rng.normal(size=10), rng.normal(size=4)
     last = np.linalg.solve(out[:, 10:20], out[:, 24] - out[:, :10] @ first - out[:, 20:24] @ dp)
     nodes = np.zeros((count + 1, 10))
     nodes[0], nodes[-1] = first, last
-    expand_chain(kept, 0, count, 0, ALL, INPUTS, dp, 1.0, nodes)
+    expand_chain(kept, ends, A, r, 0, count, 0, ALL, INPUTS, dp, 1.0, nodes)
+    assert len(set(ends[ends > 0])) >= 3  # several groups, some of several elements
+    assert (ends[ends > 0] - np.flatnonzero(ends)).max() > 1
     for e in range(count):
         missing = A[e, :, :10] @ nodes[e] + A[e, :, 10:] @ dp - nodes[e + 1] + r[e]
         assert np.abs(missing).max() < 1e-10 * np.abs(nodes).max()
@@ -48,7 +51,8 @@ def test_sign_of_the_determinant(rng):
             A, r = random_chain(rng, count)
             closing = rng.normal(size=(3, 6))
             out, kept = np.empty((3, 7)), np.zeros((count, 3, 10))
-            flip = reduce_chain(A, r, 0, count, rows, none, out, kept)
+            ends = np.zeros(count, dtype=np.int64)
+            flip = reduce_chain(A, r, 0, count, rows, none, out, kept, ends)
             small = np.vstack([out[:, :6], closing])
             size = 3 * (count + 1)
             whole = np.zeros((size, size))
@@ -73,13 +77,15 @@ def test_growth_does_not_spoil_the_elimination():
     turn[:2, :2] = [[0.8, -0.6], [0.6, 0.8]]
     A[:, :, :10] = turn @ A[:, :, :10] @ turn.T
     out, kept = np.empty((10, 25)), np.zeros((count, 10, 35))
-    reduce_chain(A, np.zeros((count, 10)), 0, count, ALL, INPUTS, out, kept)
+    ends = np.zeros(count, dtype=np.int64)
+    zero = np.zeros((count, 10))
+    reduce_chain(A, zero, 0, count, ALL, INPUTS, out, kept, ends)
     nodes = np.zeros((count + 1, 10))
     # grow from 1 at the far end, decay from 1 at the near end
     near, far = turn[:, 1], turn[:, 0]
     nodes[0] = near + np.exp(-40.0) * far
     nodes[-1] = far + np.exp(-40.0) * near
-    expand_chain(kept, 0, count, 0, ALL, INPUTS, np.zeros(4), 0.0, nodes)
+    expand_chain(kept, ends, A, zero, 0, count, 0, ALL, INPUTS, np.zeros(4), 0.0, nodes)
     i = np.arange(count + 1)
     exact = np.exp(-1.0 * i)[:, None] * near + np.exp(i - 40.0)[:, None] * far
     assert np.abs(nodes - exact).max() < 1e-12

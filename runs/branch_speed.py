@@ -1,0 +1,133 @@
+"""Time ``derod branch`` against version 0.1 on the same machine, and hold their points together.
+
+    python runs/branch_speed.py                    the paper's two scenes, and l = 20
+    python runs/branch_speed.py --cases text,figures --repeats 3
+
+Version 0.1 (commit 9e95062) is taken out of this repository's history into a temporary folder. The two
+run in turn, each as a process of its own with one BLAS thread, after one run that compiles its
+kernels; what is compared is the least CPU time (user and system, start-up included) of each. Their branch
+files must have the same points (end-shortening, t, E_hat, wetted length to 1e-8) and the same counts of
+unstable modes, but where the bending moment at the clamp is above SLIDING: there version 0.1 hid a
+mode. Exit code 1 where points differ.
+"""
+
+from __future__ import annotations
+
+import argparse
+import io
+import os
+import resource
+import subprocess
+import sys
+import tarfile
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+from derod.branches.record import BranchFile, open_branches
+from derod.branches.stability import clamp_moment
+
+HERE = Path(__file__).parent
+OLD = "9e95062"
+CASES = {
+    "text": ("paper-text.toml", None, 0.5),
+    "figures": ("paper-figures.toml", None, 0.5),
+    "l20": ("l20-r0.toml", "Ax,3D,L", 1.0 / 3.0),
+}
+"""Scene, paths, and the share of version 0.1's CPU time that is wanted."""
+COLUMNS = ("end_shortening", "end_tension", "energy_hat", "wetted_length")
+SAME = 1e-8
+SLIDING = 0.1
+"""K0/D: at 0.12 and above sliding took part in an unstable mode on the paper's paths."""
+
+
+def old_sources(folder: Path) -> Path:
+    """Version 0.1's package, taken out of the history into ``folder``."""
+    command = ["git", "-C", str(HERE.parent), "archive", OLD, "derod"]
+    archive = subprocess.run(command, capture_output=True, check=True).stdout
+    with tarfile.open(fileobj=io.BytesIO(archive)) as tar:
+        tar.extractall(folder, filter="data")
+    return folder
+
+
+def run(sources: Path, scene: str, paths: str | None, target: Path) -> float:
+    """CPU seconds of one ``derod branch`` process that uses the package in ``sources``."""
+    own = {"PYTHONPATH": str(sources), "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
+    command = [sys.executable, "-m", "derod", "branch", str(HERE / scene), "-o", str(target)]
+    if paths is not None:
+        command += ["--paths", paths]
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    subprocess.run([*command, "--quiet"], check=True, env={**os.environ, **own}, cwd=sources)
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+
+
+def apart(old: BranchFile, new: BranchFile) -> tuple[int, float, int, int]:
+    """(points, largest difference, counts changed by sliding, counts changed otherwise).
+
+    The difference is infinite where the branches or their numbers of points are not the same.
+    """
+    if old.names != new.names or any(len(old[name]) != len(new[name]) for name in old.names):
+        return sum(map(len, new.values())), float("inf"), 0, 0
+    worst, sliding, other = 0.0, 0, 0
+    for name, branch in new.items():
+        for column in COLUMNS:
+            a, b = old[name].table[column], branch.table[column]
+            worst = max(worst, float((np.abs(a - b) / np.maximum(1.0, np.abs(a))).max()))
+        changed = old[name].table["unstable_modes"] != branch.table["unstable_modes"]
+        for i in np.flatnonzero(changed):
+            slides = clamp_moment(branch.state(int(i))) > SLIDING
+            sliding += slides
+            other += not slides
+            if not slides:
+                print(
+                    f"  {name} point {i}, delta = {branch.table['end_shortening'][i]:.6f}: "
+                    f"{old[name].table['unstable_modes'][i]} unstable modes, now "
+                    f"{branch.table['unstable_modes'][i]}"
+                )
+    return sum(map(len, new.values())), worst, sliding, other
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Print one line a case, and the sum of the paper's two scenes."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--cases", default=",".join(CASES), help=f"of {', '.join(CASES)}")
+    parser.add_argument("--repeats", type=int, default=2, help="runs of each, in turn (2)")
+    args = parser.parse_args(arguments)
+    total, good = {"old": 0.0, "new": 0.0}, True
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        (folder / "old").mkdir()
+        sources = {"old": old_sources(folder / "old"), "new": HERE.parent}
+        for which, path in sources.items():  # compile
+            run(path, "paper-figures.toml", "Ax,3D", folder / f"{which}.h5")
+        for case in args.cases.split(","):
+            scene, paths, wanted = CASES[case]
+            least = {"old": float("inf"), "new": float("inf")}
+            for _ in range(args.repeats):
+                for which, path in sources.items():
+                    seconds = run(path, scene, paths, folder / f"{which}.h5")
+                    least[which] = min(least[which], seconds)
+            with (
+                open_branches(folder / "old.h5") as old,
+                open_branches(folder / "new.h5") as new,
+            ):
+                points, worst, sliding, other = apart(old, new)
+            good &= worst <= SAME
+            print(
+                f"{case:8s} {points} points: {least['old']:.1f} s, now {least['new']:.1f} s: "
+                f"{least['new'] / least['old']:.3f} (wanted {wanted:.2f}); points apart {worst:.1e}, "
+                f"counts changed {sliding} by sliding, {other} otherwise",
+                flush=True,
+            )
+            if case in ("text", "figures"):
+                for which, seconds in least.items():
+                    total[which] += seconds
+    if total["old"]:
+        print(f"l = 10 in sum: {total['new'] / total['old']:.3f} (wanted 0.50)")
+    return 0 if good else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
