@@ -25,7 +25,8 @@ from pathlib import Path
 
 import numpy as np
 
-from derod.branches.record import BranchFile, open_branches
+from derod.branches.landing import LandingError
+from derod.branches.record import BranchFile, StoredBranch, open_branches
 from derod.branches.stability import clamp_moment
 
 HERE = Path(__file__).parent
@@ -38,6 +39,9 @@ CASES = {
 """Scene, paths, and the share of version 0.1's CPU time that is wanted."""
 COLUMNS = ("end_shortening", "end_tension", "energy_hat", "wetted_length")
 SAME = 1e-8
+STEP = 1e-6
+"""D: points further apart than this are other points of the path."""
+CURVE = 5
 SLIDING = 0.1
 """K0/D: at 0.12 and above sliding took part in an unstable mode on the paper's paths."""
 
@@ -63,30 +67,53 @@ def run(sources: Path, scene: str, paths: str | None, target: Path) -> float:
     return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
 
-def apart(old: BranchFile, new: BranchFile) -> tuple[int, float, int, int]:
-    """(points, largest difference, counts changed by sliding, counts changed otherwise).
+def apart(old: BranchFile, new: BranchFile) -> tuple[float, int, int, list[str]]:
+    """(largest difference, counts changed by sliding, counts changed otherwise, remarks).
 
-    The difference is infinite where the branches or their numbers of points are not the same.
+    Points are compared where both have the same; from where a step was of another length on, every
+    CURVE-th point of the old branch is held against the new branch's state at its end-shortening.
     """
-    if old.names != new.names or any(len(old[name]) != len(new[name]) for name in old.names):
-        return sum(map(len, new.values())), float("inf"), 0, 0
-    worst, sliding, other = 0.0, 0, 0
+    worst, sliding, other, remarks = 0.0, 0, 0, []
     for name, branch in new.items():
+        a, b = old[name].table, branch.table
+        least = min(len(a), len(b))
+        moved = np.abs(a["end_shortening"][:least] - b["end_shortening"][:least]) > STEP
+        same = int(np.argmax(moved)) if moved.any() else least
         for column in COLUMNS:
-            a, b = old[name].table[column], branch.table[column]
-            worst = max(worst, float((np.abs(a - b) / np.maximum(1.0, np.abs(a))).max()))
-        changed = old[name].table["unstable_modes"] != branch.table["unstable_modes"]
-        for i in np.flatnonzero(changed):
+            gaps = np.abs(a[column][:same] - b[column][:same])
+            worst = max(worst, float((gaps / np.maximum(1.0, np.abs(a[column][:same]))).max()))
+        if same < max(len(a), len(b)):
+            curve = max((distance(branch, a[i]) for i in range(same, len(a), CURVE)), default=0.0)
+            remarks.append(
+                f"  {name}: other steps from point {same} of {len(a)} (now {len(b)}) on; the curves are "
+                f"{curve:.1e} apart"
+            )
+            worst = max(worst, 0.5 * curve)  # both are stored to 1e-8
+        for i in np.flatnonzero(a["unstable_modes"][:same] != b["unstable_modes"][:same]):
             slides = clamp_moment(branch.state(int(i))) > SLIDING
             sliding += slides
             other += not slides
             if not slides:
-                print(
-                    f"  {name} point {i}, delta = {branch.table['end_shortening'][i]:.6f}: "
-                    f"{old[name].table['unstable_modes'][i]} unstable modes, now "
-                    f"{branch.table['unstable_modes'][i]}"
+                remarks.append(
+                    f"  {name} point {i}, delta = {b['end_shortening'][i]:.6f}: "
+                    f"{a['unstable_modes'][i]} unstable modes, now {b['unstable_modes'][i]}"
                 )
-    return sum(map(len, new.values())), worst, sliding, other
+    return worst, sliding, other, remarks
+
+
+def distance(branch: StoredBranch, row: np.void) -> float:
+    """Relative distance of t and E_hat of a row from the nearest state of a branch."""
+    try:
+        found = branch.at(float(row["end_shortening"]))
+    except LandingError:
+        return float("inf")
+    return min(
+        max(
+            abs(landing.values[key] - row[key]) / max(1.0, abs(row[key]))
+            for key in ("end_tension", "energy_hat")
+        )
+        for landing in found
+    )
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -113,8 +140,11 @@ def main(arguments: list[str] | None = None) -> int:
                 open_branches(folder / "old.h5") as old,
                 open_branches(folder / "new.h5") as new,
             ):
-                points, worst, sliding, other = apart(old, new)
+                points = sum(map(len, new.values()))
+                worst, sliding, other, remarks = apart(old, new)
             good &= worst <= SAME
+            for line in remarks:
+                print(line)
             print(
                 f"{case:8s} {points} points: {least['old']:.1f} s, now {least['new']:.1f} s: "
                 f"{least['new'] / least['old']:.3f} (wanted {wanted:.2f}); points apart {worst:.1e}, "

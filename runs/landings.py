@@ -134,7 +134,10 @@ def _between(tracer: Tracer, a: Point, b: Point, delta: float, odd: np.ndarray) 
     for _ in range(60):  # beyond the plane the path comes back: cut until this side alone is left
         same = right.state.kept[odd] @ a.state.kept[odd] > 0.0
         if off(a) * off(right) < 0.0 and same:
-            return locate(tracer, a, right, off, "landing").point
+            try:
+                return locate(tracer, a, right, off, "landing").point
+            except NotConverged:  # too long a step beside the joint: cut on
+                pass
         middle = tracer.advance(a, 0.5 * (right.arc - a.arc), remesh=False)
         if off(a) * off(middle) > 0.0 and middle.state.kept[odd] @ a.state.kept[odd] > 0.0:
             a = middle

@@ -74,17 +74,13 @@ def eliminate(F, first, last, gone):  # type: ignore[no-untyped-def]
     return negative
 
 
-def negative_eigenvalues(matrix: np.ndarray, critical: bool = False) -> int:
+def negative_eigenvalues(matrix: np.ndarray) -> int:
     """Number of negative eigenvalues of a small symmetric matrix, its rows made comparable first.
 
-    ``critical``: the smallest in size is known to be zero and is not counted. Raises ValueError
-    where the matrix is not finite.
+    Raises ValueError where the matrix is not finite.
     """
     if not np.isfinite(matrix).all():
         raise ValueError("the matrix whose negative eigenvalues are counted is not finite")
     scale = np.abs(matrix).max(axis=1)
     scale = 1.0 / np.sqrt(np.where(scale > 0.0, scale, 1.0))
-    values = np.linalg.eigvalsh(matrix * np.outer(scale, scale))
-    if critical:
-        values = np.delete(values, np.abs(values).argmin())
-    return int((values < 0.0).sum())
+    return int((np.linalg.eigvalsh(matrix * np.outer(scale, scale)) < 0.0).sum())

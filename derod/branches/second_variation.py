@@ -54,12 +54,15 @@ def _cross(a, out):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
-def add_rod(F, t, n, m, h, k3):  # type: ignore[no-untyped-def]
-    """Add an element's own form to the rotations' block; t, n, m (STAGES, 3) at its Gauss points."""
+def add_rod(F, t, n, m, h, k3, raised):  # type: ignore[no-untyped-def]
+    """Add an element's own form, and ``raised`` |phi|^2, to the rotations' block.
+
+    t, n, m (STAGES, 3) at its Gauss points.
+    """
     G = np.empty((3, 3))
     for k in range(STAGES):
         _cross(m[k], G)
-        pull = n[k, 0] * t[k, 0] + n[k, 1] * t[k, 1] + n[k, 2] * t[k, 2]
+        pull = raised + n[k, 0] * t[k, 0] + n[k, 1] * t[k, 1] + n[k, 2] * t[k, 2]
         for a in range(3):
             for b in range(3):
                 bend = WEIGHTS[k] * SLOPE[k, a] * SLOPE[k, b] / h
@@ -171,7 +174,7 @@ def add_meniscus(F, y, cx, cz, force, strength, softness):  # type: ignore[no-un
 
 
 @njit(cache=True, error_model="numpy")
-def _sweep(nodes, h, inner, p, k3, strength, softness, force, D, W, N, M, F):  # type: ignore[no-untyped-def]
+def _sweep(nodes, h, inner, p, k3, strength, softness, force, raised, D, W, N, M, F):  # type: ignore[no-untyped-def]
     """Fill F (SIZE, SIZE) with what is left at the middle; return the negative pivots, -1 if stuck."""
     count = h.size
     F[:] = 0.0
@@ -182,7 +185,7 @@ def _sweep(nodes, h, inner, p, k3, strength, softness, force, D, W, N, M, F):  #
     negative = 0
     for e in range(count - 1, -1, -1):
         wet = e < inner
-        add_rod(F, D[e], N[e], M[e], h[e], k3)
+        add_rod(F, D[e], N[e], M[e], h[e], k3, raised)
         move_to_left_end(F, D[e], h[e], whole)
         if wet:
             add_wall(F, D[e], W[e], h[e], strength, softness)
@@ -218,8 +221,10 @@ def _sweep(nodes, h, inner, p, k3, strength, softness, force, D, W, N, M, F):  #
     return negative
 
 
-def condensed(state: HalfRod) -> tuple[int, np.ndarray]:
+def condensed(state: HalfRod, raised: float = 0.0) -> tuple[int, np.ndarray]:
     """The negative pivots met from the clamp to the middle, and what is left there.
+
+    ``raised`` (K/D^2) is added to the form as raised |phi|^2.
 
     The matrix (14, 14) is in phi(0), rho(0), rho_C, the multipliers of rho(clamp) = 0 (3), the turn
     and the slide (slip b = 0 of the meniscus), of the form of half a rod, in K0. Raises
@@ -241,6 +246,7 @@ def condensed(state: HalfRod) -> tuple[int, np.ndarray]:
         prm.wall_strength,
         prm.wall_softness,
         force,
+        raised,
         fields.tangents,
         fields.places,
         fields.forces,
