@@ -7,7 +7,8 @@ For every joint of 3D, 3D-L2, ... the interval beside it and the next one are la
 their end-shortening, once as ``branch.at`` gives it. The judge is another continuation: from the
 interval's far end, on elements half as long, by arclength along the path's own tangents in steps of
 a fifth of the interval up to where the space path crosses the plane; its state at the same
-end-shortening is found by Brent's method in arclength. Wrong: no out-of-plane content, or t or E_hat off by
+end-shortening is found by Brent's method in arclength. Where that walk fails, a second judge is the landing's
+own state on elements cut in two. Wrong: no out-of-plane content, or t or E_hat off by
 more than 1e-7 (relative, or to one). Exit code 1 where a landing is wrong or missing.
 """
 
@@ -36,7 +37,7 @@ from derod.branches import closure as col
 from derod.branches.arc import Control, Point, Tracer, frozen
 from derod.branches.compute import compute_branches
 from derod.branches.landing import LandingError
-from derod.branches.mesh import RESOLUTION, adapted
+from derod.branches.mesh import RESOLUTION, adapted, halved
 from derod.branches.mirror import FULL
 from derod.branches.newton import settle
 from derod.branches.observables import observables
@@ -44,6 +45,7 @@ from derod.branches.outcome import NotConverged
 from derod.branches.parameters import Parameters
 from derod.branches.record import StoredBranch, open_branches, write_branches
 from derod.branches.special import crossed_plane, locate
+from derod.branches.state import HalfRod
 from derod.branches.symmetry import plane
 from derod.scene import load_scene
 
@@ -65,6 +67,7 @@ class Tally:
     tried: int = 0
     wrong: int = 0
     missing: int = 0
+    halved: int = 0
     worst: float = 0.0
     estimate: float = 0.0
 
@@ -73,6 +76,7 @@ class Tally:
         self.tried += other.tried
         self.wrong += other.wrong
         self.missing += other.missing
+        self.halved += other.halved
         self.worst = max(self.worst, other.worst)
         self.estimate = max(self.estimate, other.estimate)
 
@@ -146,6 +150,15 @@ def _between(tracer: Tracer, a: Point, b: Point, delta: float, odd: np.ndarray) 
     return None
 
 
+def by_halves(state: HalfRod) -> HalfRod:
+    """The second judge: the landing's state at its end-shortening with every element cut in two.
+
+    Its out-of-plane content is held against the square-root law from the joint to its neighbour.
+    """
+    closing = np.stack([frozen(col.FGAMMA), frozen(col.DELTA)])
+    return settle(halved(state), FULL, closing, closing @ state.kept, 1e-11, 16).state
+
+
 def joints(branch: StoredBranch) -> list[tuple[int, int]]:
     """(joint's row, step toward the path's inside) of a space path."""
     last = len(branch) - 1
@@ -169,10 +182,6 @@ def try_joint(branch: StoredBranch, row: int, step: int, verbose: bool) -> Tally
         for delta, reference in zip(deltas, judge(branch, far, row, deltas), strict=True):
             out.tried += 1
             where = f"{branch.name}, {min(near, far)}, delta = {delta / np.pi:.9f} pi"
-            if reference is None:
-                out.missing += 1
-                print(f"  {where}: the judge found no state")
-                continue
             try:
                 found = [one for one in branch.at(delta) if one.interval == min(near, far)]
             except LandingError as error:
@@ -184,10 +193,17 @@ def try_joint(branch: StoredBranch, row: int, step: int, verbose: bool) -> Tally
                 print(f"  {where}: {len(found)} states")
                 continue
             landing = found[0]
-            wanted = observables(reference.state)
             odd = plane(branch.state(row))[1].kept  # type: ignore[index]
             content = np.linalg.norm(landing.state.kept[odd])
-            content /= np.linalg.norm(reference.state.kept[odd])
+            if reference is None:
+                out.halved += 1
+                judged = by_halves(landing.state)
+                share = abs((delta - d[row]) / (d[row + step] - d[row]))
+                content /= np.sqrt(share) * np.linalg.norm(branch.state(row + step).kept[odd])
+            else:
+                judged = reference.state
+                content /= np.linalg.norm(judged.kept[odd])
+            wanted = observables(judged)
             error = max(
                 abs(landing.values[name] - wanted[name]) / max(1.0, abs(wanted[name]))
                 for name in ("end_tension", "energy_hat")
@@ -245,7 +261,7 @@ def main(arguments: list[str] | None = None) -> int:
             )
     print(
         f"{len(scenes)} scenes, {total.tried} landings beside joints: {total.wrong} wrong, "
-        f"{total.missing} missing, worst error of t and E_hat {total.worst:.1e}, worst estimate "
+        f"{total.missing} missing, {total.halved} judged by halves, worst error of t and E_hat {total.worst:.1e}, worst estimate "
         f"{total.estimate:.1e} (derod {derod.__version__})"
     )
     return 1 if total.wrong or total.missing or not total.tried else 0

@@ -67,7 +67,8 @@ def stability(state: HalfRod, *, critical: bool = False) -> Stability:
     """Count the unstable modes of a settled state on its own mesh.
 
     ``critical``: the state is a fold or a pitchfork. A flip-even mode is neutral there and is not
-    counted: the form is raised by NEUTRAL |phi|^2, more than the mesh's error. Raises ArithmeticError where the elimination fails.
+    counted: the form is raised by NEUTRAL |phi|^2, more than the mesh's error. Raises
+    ArithmeticError where the elimination fails.
     """
     negative, left = condensed(state, NEUTRAL if critical else 0.0)
     even = negative + negative_eigenvalues(_of_class(left, odd=False)) - CLAMP_ROWS
