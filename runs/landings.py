@@ -261,7 +261,8 @@ def main(arguments: list[str] | None = None) -> int:
             )
     print(
         f"{len(scenes)} scenes, {total.tried} landings beside joints: {total.wrong} wrong, "
-        f"{total.missing} missing, {total.halved} judged by halves, worst error of t and E_hat {total.worst:.1e}, worst estimate "
+        f"{total.missing} missing, {total.halved} judged by halves, "
+        f"worst error of t and E_hat {total.worst:.1e}, worst estimate "
         f"{total.estimate:.1e} (derod {derod.__version__})"
     )
     return 1 if total.wrong or total.missing or not total.tried else 0
