@@ -7,9 +7,10 @@ import pytest
 from scipy.linalg import eigh, null_space
 
 import derod
+from derod.core.layout import X_C
 from derod.driver import frame_of
 from derod.encode import decode
-from derod.stability import analyse, inertia, lowest_mode
+from derod.stability import analyse, inertia, lowest_mode, sliding_stiffness
 from derod.state import State
 from derod.system import System
 from tests.core.states import dense
@@ -110,3 +111,17 @@ def test_the_slope_is_the_difference_of_neighbours() -> None:
     np.testing.assert_allclose(here.slope_q, slope, atol=1e-5 * np.abs(slope).max())
     slope = (sides[0].b - sides[1].b) / (2 * step)
     np.testing.assert_allclose(here.slope_b, slope, atol=1e-5 * np.abs(slope).max())
+
+
+def test_sliding_stiffness_is_that_of_the_released_pin(unstable: tuple[System, State]) -> None:
+    """k = 4 / (c K^-1 c), K without the pin's row c; K has one negative eigenvalue more where k < 0."""
+    system, state = unstable
+    system.linearise(state)
+    matrix = dense(system.room.linear)
+    pin = system.edges * (system.dimension + 1) + X_C + system.dimension + 2
+    released = np.delete(np.delete(matrix, pin, 0), pin, 1)
+    row = np.delete(matrix[:, pin], pin)
+    wanted = 4.0 / (row @ np.linalg.solve(released, row))
+    assert sliding_stiffness(system) == pytest.approx(wanted, rel=1e-3)
+    counts = [int((np.linalg.eigvalsh(m) < 0).sum()) for m in (matrix, released)]
+    assert counts[1] == counts[0] - 1 + (wanted < 0)

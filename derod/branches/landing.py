@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 ACCURACY = 1e-8
 """Estimated error of t and E_hat at which a landing's mesh is fine enough."""
 REFINEMENTS = (1.4, 2.0, 2.8)
-SAMPLES = (0.0, 0.25, 0.5, 0.75, 0.9, 0.97)
+SAMPLES = (0.25, 0.5, 0.75, 0.9, 0.97)
 """Shares of an interval at which a fold is looked for where one may be hidden."""
 JOINT_SHIFT = 2e-8
 """D: where a joint lies changes by up to 6e-9 from mesh to mesh; nearer to it than this a space
@@ -192,9 +192,15 @@ def _roots(interval: Interval, delta: float, hidden: bool) -> list[float]:
             return float(interval.ends["end_shortening"][int(x > 0.0)]) - delta
         return interval.at(x).state.end_shortening - delta
 
-    knots = [share * interval.length for share in (SAMPLES if hidden else (0.0,))]
-    if hidden:
-        slopes = [interval.at(x).slope for x in knots]
+    knots = [0.0]
+    if hidden:  # as far as the interval can be followed; a root beyond is asked for below
+        slopes = [interval.at(0.0).slope]
+        for share in SAMPLES:
+            try:
+                slopes.append(interval.at(share * interval.length).slope)
+            except NotConverged:
+                break
+            knots.append(share * interval.length)
         for a, b, left, right in zip(knots[:-1], knots[1:], slopes[:-1], slopes[1:], strict=True):
             if left * right < 0.0:
                 turn = brentq(lambda x: interval.at(x).slope, a, b, xtol=1e-12 * interval.length)
