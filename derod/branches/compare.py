@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from derod.branches.landing import Landing, center_line, estimate, intervals, landings
+from derod.branches.landing import Landing, center_line, intervals, landings
 from derod.branches.outcome import NotConverged
 from derod.branches.parameters import Parameters
 from derod.branches.record import BranchFile, open_branches
@@ -73,6 +73,15 @@ def check_same_rod(run: Any, file: BranchFile) -> None:
                 value=a,
                 allowed=f"{b:g}, as in {file.path}",
             )
+
+
+def estimate(branch: StoredBranch, i: int, delta: float) -> tuple[float, float]:
+    """Tension and E_hat at ``delta`` between points i and i + 1, linearly."""
+    a, b = branch.table[i], branch.table[i + 1]
+    span = b["end_shortening"] - a["end_shortening"]
+    x = float(np.clip((delta - a["end_shortening"]) / span, 0.0, 1.0)) if span else 0.5
+    out = [(1.0 - x) * a[name] + x * b[name] for name in ("end_tension", "energy_hat")]
+    return float(out[0]), float(out[1])
 
 
 def _candidates(

@@ -122,15 +122,6 @@ def _hidden(branch: StoredBranch) -> np.ndarray:
     return out
 
 
-def estimate(branch: StoredBranch, i: int, delta: float) -> tuple[float, float]:
-    """Tension and E_hat at ``delta`` between points i and i + 1, linearly."""
-    a, b = branch.table[i], branch.table[i + 1]
-    span = b["end_shortening"] - a["end_shortening"]
-    x = float(np.clip((delta - a["end_shortening"]) / span, 0.0, 1.0)) if span else 0.5
-    out = [(1.0 - x) * a[name] + x * b[name] for name in ("end_tension", "energy_hat")]
-    return float(out[0]), float(out[1])
-
-
 def landings(branch: StoredBranch, i: int, delta: float) -> list[Landing]:
     """The states at ``delta`` between points i and i + 1: none, one, or two beside a fold.
 
