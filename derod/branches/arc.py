@@ -9,10 +9,13 @@ import numpy as np
 from derod.branches import closure as col
 from derod.branches.fields import evaluate_fields
 from derod.branches.mesh import RESOLUTION, adapted, drifted
-from derod.branches.mirror import Mirror
+from derod.branches.mirror import FULL, PLANES, Mirror
 from derod.branches.newton import Settled, settle
 from derod.branches.outcome import NotConverged
 from derod.branches.state import HalfRod, Increment
+
+FLAT = 1e-7
+"""Share of a space curve's out-of-plane unknowns below which a step has left its path."""
 
 
 def metric(capillary_force: float) -> np.ndarray:
@@ -131,6 +134,11 @@ class Tracer:
                 if length < self.control.least_step:
                     return f"no convergence: {error}"
                 continue
+            if self.mirror is FULL and fell_flat(point.state, new.state):
+                length *= 0.5
+                if length < self.control.least_step:
+                    return "a space path that falls onto a planar one"
+                continue
             cosine = float(np.clip(self.metric @ (new.tangent * point.tangent), -1.0, 1.0))
             angle = float(np.arccos(cosine))
             if angle > 3.0 * self.control.turning and length > 100.0 * self.control.least_step:
@@ -146,6 +154,15 @@ class Tracer:
             )
             length = min(length * max(growth, 0.4), self.control.largest_step)
         return f"more than {limit} points"
+
+
+def fell_flat(before: HalfRod, after: HalfRod) -> bool:
+    """Whether a step from a space curve ended on a planar path: its out-of-plane unknowns vanish."""
+    for _, odd in PLANES:
+        size = float(np.linalg.norm(before.kept[odd.kept]))
+        if float(np.linalg.norm(after.kept[odd.kept])) < FLAT * size:
+            return True
+    return False
 
 
 def _same_mesh(a: HalfRod, b: HalfRod) -> bool:

@@ -13,7 +13,7 @@ from derod.branches.compute import compute_branches, family
 from derod.branches.error import halving_error
 from derod.branches.linear import Reduced, linearise
 from derod.branches.mesh import adapted, transferred
-from derod.branches.mirror import FULL, LOOP_EVEN, LOOP_ODD
+from derod.branches.mirror import FULL, LOOP_EVEN, LOOP_ODD, PLANES
 from derod.branches.newton import settle
 from derod.branches.observables import loops, observables
 from derod.branches.outcome import NotConverged
@@ -239,3 +239,21 @@ def test_bad_names(name):
     else:
         with pytest.raises(ValueError, match="no such path"):
             family(name)
+
+
+def test_a_step_onto_a_planar_path_is_refused():
+    """A scene on which version 0.1 stepped from 3D onto L2 before their joint, and stored L2's states."""
+    own = Parameters(
+        length=8.452098,
+        twisting=0.845,
+        capillary_force=26.737,
+        wall_strength=9.38e-4,
+        wall_softness=0.119,
+    )
+    branches, _ = compute_branches(own, ["3D"], count_modes=False)
+    path = next(b for b in branches if b.name == "3D")
+    sizes = [
+        min(np.linalg.norm(odd_part(p.state, odd)) for _, odd in PLANES) for p in path.points[1:-1]
+    ]
+    assert min(sizes) > 1e-4
+    assert path.ends == "pitchfork of L2"
