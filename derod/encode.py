@@ -42,6 +42,7 @@ def encode(system: System, state: State, here: Equilibrium, settled: Settled) ->
     row["residual"] = settled.residual * unit
     row["work_defect"] = settled.work_defect * unit
     row["converged"] = here.settled
+    row["slides"] = here.slides
     row["turning_angle"] = here.turning
     row["end_shortening"] = state.end_shortening
     row["end_rotation"] = system.end_rotation

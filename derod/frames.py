@@ -38,7 +38,8 @@ ROW = np.dtype(
         ("holonomy", "f8"),  # psi, followed through 2 pi
         ("slide_force", "f8"),  # multiplier of the pinned sliding mode, zero up to discretisation
         ("wall_gap", "f8"),  # least 1 + rho - 2 r over the wetted nodes
-        ("unstable_modes", "i4"),
+        ("unstable_modes", "i4"),  # the drop held in its place along the rod
+        ("slides", "?"),  # sliding the drop along the rod is one more (``derod.stability``)
         (
             "converged",
             "?",

@@ -18,9 +18,12 @@ class Elliptic:
     limit = 20_000
     easy, hard = 150, 1_000
     finest = 1e-8
+    tolerance = 0.0
 
-    def begin(self, system: System, state: State, tolerance: float, *, descend: bool) -> Report:
-        """Take the residual of the state, and start at rest."""
+    def begin(
+        self, system: System, state: State, tolerance: float, *, descend: bool, kick: float = 0.0
+    ) -> Report:
+        """Take the residual of the state, and start at rest; the way is downhill in any case."""
         self.system, self.state, self.tolerance = system, state, tolerance
         self.motion = accelerated.new_motion(system.edges, system.dimension)
         sound = system.gradient(state) and system.wall_gap(state) > 0
