@@ -28,6 +28,7 @@ import derod
 
 # isort: split
 from drawn.boxes import BOXES, draw
+from drawn.descents import Descents
 from drawn.laws import audit, disagreements, side_was_open
 
 
@@ -41,6 +42,8 @@ class Result(NamedTuple):
     faults: list[str]
     apart: list[str]  # where the two pushes differ
     open_side: bool
+    descending: int  # accepted steps
+    uphill: int  # of these
     seconds: float
     text: str
 
@@ -53,12 +56,16 @@ def push_one(box: str, seed: int, number: int) -> Result:
     clock = time.process_time()
     scene = draw(box, seed, number)
     quarter = scene.replace({"push.max_step": scene.push.max_step / 4})
-    runs = [derod.push(scene), derod.push(quarter)]
+    descents = [Descents(), Descents()]
+    runs = [derod.push(scene, None, [descents[0]]), derod.push(quarter, None, [descents[1]])]
     faults = [
         f"{name}: {fault}"
         for name, run in zip(("step", "quarter"), runs, strict=True)
         for fault in audit(run)
     ]
+    uphill = sum(one.uphill for one in descents)
+    if uphill:
+        faults.append(f"{uphill} descending steps went uphill")
     outcomes = tuple(str(run.ending.outcome) if run.ending else "none" for run in runs)
     return Result(
         number=number,
@@ -68,6 +75,8 @@ def push_one(box: str, seed: int, number: int) -> Result:
         faults=faults,
         apart=disagreements(*runs),
         open_side=any(side_was_open(run) for run in runs),
+        descending=sum(one.steps for one in descents),
+        uphill=uphill,
         seconds=time.process_time() - clock,
         text=scene.text,
     )
@@ -120,6 +129,8 @@ def report(done: list[Result], args: argparse.Namespace) -> None:
         ("scenes, each pushed twice", str(len(done))),
         ("rows", str(sum(r.rows for r in done))),
         ("silent faults", str(sum(len(r.faults) for r in done))),
+        ("descending steps", str(sum(r.descending for r in done))),
+        ("of these, uphill", str(sum(r.uphill for r in done))),
         ("pushes that gave up", f"{sum(outcomes[o] for o in GAVE_UP)} of {pushes}"),
         ("rod ran out", str(outcomes["rod_ran_out"])),
         ("step and quarter step differ", str(sum(bool(r.apart) for r in done))),

@@ -12,11 +12,15 @@ import numpy as np
 import pytest
 
 import derod
+from derod.guess import bent_guess
+from derod.relax import Report
+from derod.system import System
 from tests.scenes import coil
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "runs"))
 
 from drawn.boxes import BOXES, draw
+from drawn.descents import Descents
 from drawn.laws import audit, disagreements, side_was_open
 
 QUICK = [("wide", 0), ("wide", 1), ("wide", 2), ("wide", 3), ("hard", 0), ("hard", 1), ("hard", 2),
@@ -93,3 +97,18 @@ def test_the_laws_see_what_is_wrong() -> None:
     assert any("unstable" in f for f in audit(Altered(run, unstable_modes=lambda c: c + 1)))
     assert any("converged" in f for f in audit(Altered(run, converged=lambda c: c & False)))
     assert any("work_defect" in f for f in audit(Altered(run, work_defect=lambda c: c + 0.5)))
+
+
+def test_descents_are_watched() -> None:
+    """The watcher counts the steps of a kick's descent, and an uphill one if there is one."""
+    watch = Descents()
+    derod.push(coil(stop='"0.27 pi"'), None, [watch])
+    assert watch.steps > 5 and watch.uphill == 0
+    system = System(coil())
+    watch.start(coil(), 0)
+    state = bent_guess(system, 0.1)
+    report = Report(1, 1.0, 1.0, True, True, descending=True)
+    watch.relaxation(0, 0, state, report)
+    state.b[:2] += (0.1, -0.1)  # less wetted, for more energy
+    watch.relaxation(0, 1, state, report)
+    assert watch.uphill == 1

@@ -35,7 +35,7 @@ class Implicit:
         if sound and descend:
             sound = system.project(state)
         self.work = newton.new_work(state.q, state.b)
-        return Report(0, *system.excess(tolerance), alive=True, sound=sound)
+        return Report(0, *system.excess(tolerance), alive=True, sound=sound, descending=descend)
 
     def advance(self) -> Report:
         """Take one step."""
@@ -65,9 +65,8 @@ class Implicit:
             reached = self.reach_saddle()
             if reached is not None:
                 return reached
-        return Report(
-            1, excess, residual, alive=outcome == newton.ACCEPTED, sound=True, saddle=saddle
-        )
+        alive = outcome == newton.ACCEPTED
+        return Report(1, excess, residual, alive, sound=True, descending=True, saddle=saddle)
 
     def reach_saddle(self) -> Report | None:
         """Go to a saddle near by with Newton's steps; return None, the state as it was, if there is none."""
@@ -77,7 +76,7 @@ class Implicit:
         for steps in range(1, SADDLE_STEPS):
             report = self.follow()
             if report.excess <= 1 and system.energies(state).total <= energy:
-                return report._replace(iterations=steps)
+                return report._replace(iterations=steps, descending=True)
             if report.excess <= 1 or not report.alive:
                 break
         state.q[:], state.b[:], state.holonomy = before.q, before.b, before.holonomy

@@ -18,9 +18,7 @@ class Outcome(StrEnum):
     MAX_ITERATIONS = "max_iterations"
     STALLED = "stalled"
     STRAYED = "strayed"  # left the region round the prediction that is trusted
-    SADDLE = (
-        "saddle"  # on the way down, where steps no longer leave a direction of negative curvature
-    )
+    SADDLE = "saddle"  # on the way down, where steps leave no direction of negative curvature
     DIVERGED = "diverged"
 
 
@@ -33,9 +31,8 @@ class Report(NamedTuple):
     alive: bool  # False: no further progress is possible
     sound: bool  # False: not a number, outside the wall, or folded back at a node
     strayed: bool = False  # the next step would leave the region round the prediction
-    saddle: bool = (
-        False  # a kick along a mode of negative curvature would gain more than the steps do
-    )
+    descending: bool = False  # from state to state on the constraints, downhill
+    saddle: bool = False  # a kick along a mode of negative curvature gains more than such steps
 
 
 @dataclass(frozen=True, slots=True)
