@@ -14,23 +14,21 @@ mode. Exit code 1 where points differ.
 from __future__ import annotations
 
 import argparse
-import io
 import os
 import resource
 import subprocess
 import sys
-import tarfile
 import tempfile
 from pathlib import Path
 
 import numpy as np
+from bench.old import old_sources
 
 from derod.branches.landing import LandingError
 from derod.branches.record import BranchFile, StoredBranch, open_branches
 from derod.branches.stability import clamp_moment
 
 HERE = Path(__file__).parent
-OLD = "9e95062"
 CASES = {
     "text": ("paper-text.toml", None, 0.5),
     "figures": ("paper-figures.toml", None, 0.5),
@@ -44,15 +42,6 @@ STEP = 1e-6
 CURVE = 5
 SLIDING = 0.1
 """K0/D: at 0.12 and above sliding took part in an unstable mode on the paper's paths."""
-
-
-def old_sources(folder: Path) -> Path:
-    """Version 0.1's package, taken out of the history into ``folder``."""
-    command = ["git", "-C", str(HERE.parent), "archive", OLD, "derod"]
-    archive = subprocess.run(command, capture_output=True, check=True).stdout
-    with tarfile.open(fileobj=io.BytesIO(archive)) as tar:
-        tar.extractall(folder, filter="data")
-    return folder
 
 
 def run(sources: Path, scene: str, paths: str | None, target: Path) -> float:
