@@ -54,7 +54,11 @@ def kick(
         moved.q += sign * amplitude * mode_q
         moved.b += sign * amplitude * mode_b
         inside = system.wall_gap(moved) > GAP_LEFT * gap
-        if inside and system.project(moved) and system.energies(moved).total < energy:
+        if (
+            inside
+            and system.project(moved, 2 * abs(value))
+            and system.energies(moved).total < energy
+        ):
             break
         amplitude *= 0.5
     else:

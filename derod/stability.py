@@ -24,7 +24,7 @@ from derod.state import State
 from derod.system import Energies, System
 
 CLAMP_MOMENT = 0.15  # K/D; above it sliding is resolved
-HALVINGS = 8  # of the bracket of the lowest eigenvalue
+HALVINGS = 3  # of the bracket of the lowest eigenvalue
 SWEEPS, SETTLED = 30, 1e-10  # of inverse iteration, at most; relative change of its last one
 
 
@@ -68,7 +68,7 @@ def analyse(system: System, state: State, tolerance: float | None = None) -> Equ
     excess, _ = system.excess(system.tolerance if tolerance is None else tolerance)
     turning = system.largest_turning()
     column, column_border = clamp_column(system)
-    solution, border = system.solve(column, column_border)
+    solution, border = system.solve(column, column_border, refine=False)
     own = system.room.hess.edge[system.edges, system.dimension - 1, system.dimension - 1]
     stiffness = float(np.sum(column * solution) + column_border @ border - own)
     slope_q = np.zeros_like(state.q)

@@ -6,6 +6,7 @@ and multiplied back when a frame is made.
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -15,7 +16,7 @@ from derod.core.grid import lay_grid
 from derod.core.layout import X_C, Physics
 from derod.core.residual import excess
 from derod.core.wall import wall_gap
-from derod.linalg.bordered import new_factor, solve_refined
+from derod.linalg.bordered import new_factor, solve, solve_refined
 from derod.mesh import dry_mesh, wetted_mesh
 from derod.scene import Scene
 from derod.state import State
@@ -132,7 +133,7 @@ class System:
 
     def largest_turning(self) -> float:
         """Return the largest turning angle at a node, radians, from the state last measured."""
-        return float(np.arccos(1 - self.room.kin.fall.max()))
+        return math.acos(1 - float(self.room.kin.fall.max()))
 
     def outer_length(self, state: State) -> float:
         """Return the shorter length outside the drop, D; without a drop, the whole rod's."""
@@ -162,14 +163,15 @@ class System:
             )
         )
 
-    def project(self, state: State) -> bool:
+    def project(self, state: State, shift: float = PROJECTION) -> bool:
         """Move a state onto its constraints by the least energy; return False where that fails.
 
-        Near them at once, from afar by damped steps. The gradient there is in the room. On failure the
-        state is where the attempt ended.
+        Near them at once, from afar by damped steps. ``shift`` (K0/D^4) makes the energy convex, or is raised
+        until it does. The gradient there is in the room. On failure the state is where the attempt ended.
         """
+        if self.gradient(state) and newton.is_restored(self.physics, self.room):
+            return True
         for _ in range(PROJECTIONS):
-            shift = PROJECTION
             while self.linearise(state, shift) != 0:
                 shift *= newton.RAISE
                 if shift > newton.LARGEST_SHIFT:
@@ -220,8 +222,10 @@ class System:
         d = self.dimension
         return float(np.abs(self.room.r[1:, d]).sum() + np.abs(self.room.rb[X_C + d :]).sum())
 
-    def solve(self, right: np.ndarray, right_border: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Solve with the Hessian that was factored last.
+    def solve(
+        self, right: np.ndarray, right_border: np.ndarray, *, refine: bool = True
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Solve with the Hessian that was factored last, with a step of iterative refinement or without.
 
         ``right`` has a row for each of the nodes 1 ... N, like ``q[1:]``; ``right_border`` one for each
         border row. Returns the solution in the same shapes.
@@ -230,5 +234,8 @@ class System:
         self.factor.rhs[:] = 0.0
         own[:] = right.ravel()
         self.factor.rhs_border[:] = right_border
-        solve_refined(self.room.linear, self.factor)
+        if refine:
+            solve_refined(self.room.linear, self.factor)
+        else:
+            solve(self.factor, self.factor.rhs, self.factor.rhs_border)
         return own.reshape(right.shape).copy(), self.factor.rhs_border.copy()

@@ -29,7 +29,7 @@ LEAST_SHIFT = (
     1e-4  # where there is negative curvature, or a step fails: near a pitchfork it is small
 )
 LARGEST_SHIFT = 1e12
-RAISE, LOWER = 4.0, 0.2
+RAISE, LOWER, LOWER_CONVEX = 4.0, 0.2, 0.02
 MOST_ROTATION = 0.5  # rad of an edge in one step, before and after lengths are restored
 MOST_GAP_USED = 0.7
 MOST_REGION_USED = 0.5
@@ -188,6 +188,12 @@ def beyond(kin, q, origin, place, rotation):
         if not (far <= place * place and along >= least * np.sqrt(square)):
             return True
     return False
+
+
+@kernel
+def is_restored(physics, room):
+    """Return whether a state, its gradient taken, is on its constraints."""
+    return strain(physics, room) <= 1
 
 
 @inlined
@@ -402,7 +408,9 @@ def descend_step(physics, mesh, end_rotation, rules, shift, psi_old, room, facto
                 copy_vector(work.tb, b)
                 saddle = curved and fall < KICK_GAIN * shift * rules.kick**2
                 if fraction == 1.0:
-                    shift = LOWER * shift if shift > LEAST_SHIFT else 0.0
+                    shift *= LOWER if curved else LOWER_CONVEX
+                    if shift < LEAST_SHIFT:
+                        shift = 0.0
                 return ACCEPTED, shift, psi, new, new_force, curved, saddle
         shift = max(LEAST_SHIFT, RAISE * shift)
         gradient(physics, mesh, q, b, psi_old, end_rotation, room)
