@@ -3,10 +3,17 @@
 from __future__ import annotations
 
 SHOWN_CHARACTERS = 60
+LINE_CHARACTERS = 1000
 
 
 class DerodError(Exception):
-    """Base of every error that derod raises on purpose."""
+    """Base of every error that derod raises on purpose.
+
+    ``str(error)`` is one line that a terminal can show: see ``printable``.
+    """
+
+    def __init__(self, message: object = "") -> None:
+        super().__init__(printable(str(message)))
 
 
 class SceneError(DerodError):
@@ -35,17 +42,38 @@ class SceneError(DerodError):
         where = "scene" if self.file is None else self.file
         line = f"{where}:"
         if key is not None:
-            line += f" {key}"
+            line += f" {shown_name(key)}"
         if value is not None:
             line += f" = {written or shown(value)}"
         line += f" {problem}"
         if allowed is not None:
             line += f"; allowed: {allowed}"
-        super().__init__(" ".join(line.split()))
+        super().__init__(" ".join(line.split()))  # the ends of TOML's lines are spaces here
 
 
 class RecordError(DerodError):
     """A run file that cannot be written, read or resumed."""
+
+
+class InUseError(RecordError):
+    """A file that another process is writing."""
+
+
+def printable(text: str, most: int = LINE_CHARACTERS) -> str:
+    """``text`` as one line of at most ``most`` characters, with all that steers a terminal written out.
+
+    What Python does not call printable (control characters, also those that turn the writing's
+    direction, line ends, halves of surrogate pairs) becomes ``\\x1b``, ``\\u202e``, ...
+    """
+    head = text[: most + 1]
+    if not head.isprintable():
+        head = "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in head)
+    return head if len(head) <= most else head[: most - 3] + "..."
+
+
+def shown_name(name: object) -> str:
+    """A name that somebody else chose, cut to a readable length."""
+    return printable(str(name), SHOWN_CHARACTERS)
 
 
 def shown(value: object) -> str:
@@ -54,4 +82,4 @@ def shown(value: object) -> str:
         text = str(value).lower() if isinstance(value, bool) else repr(value)
     except (ValueError, RecursionError):  # an integer or a nesting too long to print
         text = f"<{type(value).__name__} too long to print>"
-    return text if len(text) <= SHOWN_CHARACTERS else text[: SHOWN_CHARACTERS - 3] + "..."
+    return printable(text, SHOWN_CHARACTERS)

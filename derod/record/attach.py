@@ -4,29 +4,40 @@ from __future__ import annotations
 
 import os
 import shutil
-from pathlib import Path
 
 import h5py
 import numpy as np
 
 from derod.errors import RecordError
+from derod.outputs import passing_name, publish, sweep, words
 from derod.record import layout
+from derod.record.digest import table_digest
+from derod.record.lock import Lock
+from derod.record.writer import locked
 
 
 def attach_extrapolated(path: str | os.PathLike[str], table: np.ndarray) -> None:
     """Put the extrapolated rows into the run file: a copy with them takes its place.
 
-    Raises RecordError; the file is then as it was.
+    Raises RecordError, InUseError where another process writes it; the file is then as it was.
     """
-    target = Path(path)
-    passing = target.with_name(f".{target.name}.{os.getpid()}.part")
-    try:
-        shutil.copyfile(target, passing)
-        with h5py.File(passing, "r+") as file:
-            if layout.EXTRAPOLATED in file:
-                del file[layout.EXTRAPOLATED]
-            file.create_dataset(layout.EXTRAPOLATED, data=table)
-        passing.replace(target)
-    except OSError as error:
-        passing.unlink(missing_ok=True)
-        raise RecordError(f"{target}: the extrapolated rows cannot be added: {error}") from error
+    with locked(path) as held:
+        target = held.target
+        passing = passing_name(target)
+        try:
+            sweep(target)
+            passing.unlink(missing_ok=True)
+            with Lock.make(str(passing)):
+                shutil.copyfile(target, passing)
+                with h5py.File(passing, "r+", libver=layout.LIBVER, locking=False) as file:
+                    if layout.EXTRAPOLATED in file:
+                        del file[layout.EXTRAPOLATED]
+                    stored = file.create_dataset(layout.EXTRAPOLATED, data=table)
+                    stored.attrs[layout.CHECK] = np.uint64(table_digest(b"extrapolated", table))
+                publish(passing, target, held)
+        except (OSError, RuntimeError) as error:
+            raise RecordError(
+                f"{target}: the extrapolated rows cannot be added: {words(error)}"
+            ) from error
+        finally:
+            passing.unlink(missing_ok=True)

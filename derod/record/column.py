@@ -55,3 +55,18 @@ class Column:
     def flush(self) -> None:
         """Hand what was written to the operating system."""
         self.dataset.flush()
+
+
+class Cell:
+    """A few numbers of a file that are written again and again, as one."""
+
+    def __init__(self, file: h5py.File, name: str, dtype: Any, value: Any) -> None:
+        self._dtype = np.dtype(dtype)
+        self.dataset = file.create_dataset(name, data=np.array(value, self._dtype))
+        self._type = h5py.h5t.py_create(self._dtype)
+
+    def write(self, value: Any) -> None:
+        """Write the numbers and hand them to the operating system."""
+        identifier = self.dataset.id
+        identifier.write(h5py.h5s.ALL, h5py.h5s.ALL, np.array(value, self._dtype), self._type)
+        self.dataset.flush()

@@ -17,12 +17,19 @@ from importlib import metadata
 import h5py
 import numpy as np
 
-from derod.frames import ROW, Ending, Event, Frame
+from derod.errors import RecordError
+from derod.frames import Ending, Event, Frame
 from derod.record import layout
-from derod.record.column import Column
-from derod.record.run import BaseRun
+from derod.record.checks import attributes
+from derod.record.column import Cell, Column
+from derod.record.digest import committed_digest, frame_digest, head_digest, record_digest
+from derod.record.lock import Lock
+from derod.record.reader import Run
+from derod.record.verify import ARRAYS as VALUES
+from derod.record.verify import HEAD
 from derod.scene import Scene
 
+ARRAYS = tuple(name.removesuffix("/value") for name in VALUES)
 METADATA_BYTES = 128 * 1024
 """Room kept for HDF5's own bookkeeping ahead of a frame; its largest index block is smaller."""
 FRAMES_AHEAD = 8
@@ -36,14 +43,20 @@ class GrowingFile:
     """An HDF5 run file open for writing; methods raise OSError or RuntimeError when they fail."""
 
     def __init__(self, path: str, scene: Scene, created: str | None = None) -> None:
+        """Make the file ``path``, which must not exist, and lock it until it is closed."""
         edges = scene.mesh.edges
         self.path = path
         self.nodes = edges + 1
         self.frames = 0
         self.events = 0
-        self._frame_bytes = 8 * (3 * self.nodes + self.nodes + edges + 3) + ROW.itemsize
+        self._frame_bytes = 8 * (4 * self.nodes + edges + 5) + layout.STORED_ROW.itemsize
         self._reserved = 0
-        self._file = h5py.File(path, "w", libver=layout.LIBVER, locking=False)
+        self._lock = Lock.make(path)
+        try:
+            self._file = h5py.File(path, "w", libver=layout.LIBVER, locking=False)
+        except BaseException:
+            self._lock.release()
+            raise
         try:
             self._tail = open(path, "r+b", buffering=0)  # noqa: SIM115, PTH123  closed in close()
             self._reserve()
@@ -64,28 +77,44 @@ class GrowingFile:
         self._write_event(event, self.events)
         self._commit(self.frames, self.events + 1)
 
-    def copy(self, run: BaseRun) -> None:
-        """Write the frames of ``run``, and the events before them, and commit them as a whole."""
+    def copy(self, run: Run) -> None:
+        """Write the frames of ``run``, and the events before them, and commit them as a whole.
+
+        Each frame is held against its checksum on the way. Raises RecordError.
+        """
+        stored = run.stored_table()
         for i in range(len(run)):
-            self._write_frame(run.frame_at(i), i)
+            check = self._write_frame(run.frame_at(i), i)
+            if run.checksummed and check != int(stored[i][layout.CHECK]):
+                raise RecordError(
+                    f"{run.path}: is damaged: increment {i} of {len(run)} does not fit its checksum"
+                )
         events = [event for event in run.events if event.increment < len(run)]
         for i, event in enumerate(events):
             self._write_event(event, i)
         self._commit(len(run), len(events))
 
-    def _write_frame(self, frame: Frame, i: int) -> None:
+    def _write_frame(self, frame: Frame, i: int) -> int:
+        """Write a frame; return its checksum."""
         self._reserve()
-        self._values[layout.POSITION].write(i, frame.positions)
-        self._values[layout.ARC_LENGTH].write(i, frame.arc_length)
-        self._values[layout.EDGE_TENSION].write(i, frame.edge_tension)
-        self._values[layout.DROP].write(i, frame.drop_center)
-        self._values[layout.TABLE].write(i, frame.row)
-        self._step.write(i, frame.row["increment"])
-        self._time.write(i, frame.row["end_shortening"])
+        arrays = [
+            np.ascontiguousarray(array, dtype="f8")
+            for array in (frame.positions, frame.arc_length, frame.edge_tension, frame.drop_center)
+        ]
+        time = float(frame.row["end_shortening"])
+        check = frame_digest(i, frame.row.tobytes(), arrays, time)
+        self._row[:] = np.frombuffer(frame.row.tobytes() + check.to_bytes(8, "little"), "u1")
+        for name, array in zip(ARRAYS, arrays, strict=True):
+            self._values[name].write(i, array)
+        self._values[layout.TABLE].write(i, self._row.view(layout.STORED_ROW)[0])
+        self._step.write(i, i)
+        self._time.write(i, time)
+        return check
 
     def _write_event(self, event: Event, i: int) -> None:
         self._reserve()
-        record = np.array(
+        record = layout.record(
+            layout.STORED_EVENT,
             (
                 event.increment,
                 layout.encoded(event.kind, layout.KIND_BYTES),
@@ -93,9 +122,10 @@ class GrowingFile:
                 event.energy_before,
                 event.energy_after,
                 layout.encoded(event.message, layout.MESSAGE_BYTES),
+                0,
             ),
-            dtype=layout.EVENT_TYPE,
         )
+        record[layout.CHECK] = record_digest(b"event", i, record)
         self._events.write(i, record)
 
     def _commit(self, frames: int, events: int) -> None:
@@ -105,13 +135,15 @@ class GrowingFile:
                 column.flush()
         if events != self.events:
             self._events.flush()
-        self._committed[...] = (frames, events)
-        self._committed.flush()
+        self._slots.reverse()
+        self._slots[0] = committed_digest(frames, events)
+        self._committed_check.write(self._slots)
+        self._committed.write((frames, events))
         self.frames, self.events = frames, events
 
     def write_ending(self, ending: Ending) -> None:
         """Write how the push ended; the place for it was taken at the beginning."""
-        self._ending[0] = (
+        self._ending[0] = stored_ending(
             layout.encoded(ending.outcome, layout.KIND_BYTES),
             layout.encoded(ending.message, layout.MESSAGE_BYTES),
             ending.end_shortening,
@@ -119,10 +151,11 @@ class GrowingFile:
         self._ending.flush()
 
     def close(self) -> None:
-        """Give back the room not used and close the file."""
+        """Give back the room not used, close the file, let others write it."""
         self._tail.truncate(self._file.id.get_filesize())
         self._tail.close()
         self._file.close()
+        self._lock.release()
 
     def abandon(self) -> None:
         """Close without writing anything more, after a write has failed.
@@ -137,6 +170,7 @@ class GrowingFile:
             self._file.close()
         if hasattr(self, "_tail"):
             self._tail.close()
+        self._lock.release()
 
     def is_at(self, path: str) -> bool:
         """Whether ``path`` still leads to this file: neither moved, deleted nor replaced."""
@@ -184,16 +218,33 @@ class GrowingFile:
             name: Column(file, f"{name}/value", "f8", shape, per_chunk=1, unit=layout.UNITS[name])
             for name, shape in shapes.items()
         }
-        table = Column(file, f"{layout.TABLE}/value", ROW, per_chunk=layout.ROWS_PER_CHUNK)
+        table = Column(
+            file, f"{layout.TABLE}/value", layout.STORED_ROW, per_chunk=layout.ROWS_PER_CHUNK
+        )
         for name, unit in layout.ROW_UNITS.items():
             table.dataset.attrs[f"unit {name}"] = unit
         self._values[layout.TABLE] = table
         for name in layout.ELEMENTS[1:]:
             file[f"{name}/step"] = self._step.dataset
             file[f"{name}/time"] = self._time.dataset
-        self._events = Column(file, layout.EVENTS, layout.EVENT_TYPE, per_chunk=16)
-        self._ending = file.create_dataset(layout.ENDING, data=np.zeros(1, layout.ENDING_TYPE))
-        self._committed = file.create_dataset(layout.COMMITTED, data=np.zeros(2, "i8"))
+        self._events = Column(file, layout.EVENTS, layout.STORED_EVENT, per_chunk=16)
+        self._ending = file.create_dataset(
+            layout.ENDING, data=np.array([stored_ending(b"", b"", 0.0)])
+        )
+        self._slots = [committed_digest(0, 0)] * 2
+        self._committed_check = Cell(file, layout.COMMITTED_CHECK, "u8", self._slots)
+        self._committed = Cell(file, layout.COMMITTED, "i8", (0, 0))
+        self._row = np.zeros(layout.STORED_ROW.itemsize, "u1")
+        text = scene.text.encode("utf-8")
+        heads = {name: attributes(file[name]) for name in HEAD}
+        file.attrs[layout.CHECK] = np.uint64(head_digest(text, heads))
+
+
+def stored_ending(outcome: bytes, message: bytes, end_shortening: float) -> np.void:
+    """The record of an ending, with its check."""
+    record = layout.record(layout.STORED_ENDING, (outcome, message, end_shortening, 0))
+    record[layout.CHECK] = record_digest(b"ending", 0, record)
+    return record
 
 
 def _write_provenance(file: h5py.File, scene: Scene, created: str | None) -> None:

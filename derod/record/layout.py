@@ -13,17 +13,27 @@
     /events                     (E) of EVENT_TYPE
     /ending                     (1) of ENDING_TYPE, outcome "" while the push goes on
     /committed                  (2) frames and events that are whole: written last
+    /committed_check            (2) checks of the last two such counters: written just before it
 
 ``time`` is the end-shortening (D), which drives the quasi-static push; ``step`` is the increment.
 What lies beyond ``committed`` is unfinished and never read.
+
+Everything is checksummed (``derod.record.digest``): a frame, all its arrays included, in the last field of
+its row, ``check``; events and the ending likewise; scene, versions and units in the root's attribute
+``check``. Format 1, of derod 0.1, had none of these and is still read.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-FORMAT = 1
+from derod.frames import ROW
+
+FORMAT = 2
 """Version of this layout; readers refuse a newer one."""
+UNCHECKED = 1
+"""The last version without checksums."""
+CHECK = "check"
 
 H5MD_VERSION = (1, 1)
 LIBVER = ("v110", "v110")
@@ -39,6 +49,7 @@ EVENTS = "events"
 EXTRAPOLATED = "extrapolated"  # only in runs that were extrapolated, added when they had ended
 ENDING = "ending"
 COMMITTED = "committed"
+COMMITTED_CHECK = "committed_check"
 
 UNITS = {
     POSITION: "D",
@@ -46,6 +57,37 @@ UNITS = {
     EDGE_TENSION: "K0 D-2",
     DROP: "D",
 }
+
+OLDEST_COLUMNS = {
+    "increment": "i8",
+    "end_shortening": "f8",
+    "end_rotation": "f8",
+    "end_tension": "f8",
+    "energy_hat": "f8",
+    "energy_total": "f8",
+    "energy_bend": "f8",
+    "energy_twist": "f8",
+    "energy_wall": "f8",
+    "energy_capillary": "f8",
+    "wetted_length": "f8",
+    "meniscus_a": "f8",
+    "meniscus_b": "f8",
+    "force_a": "f8",
+    "force_b": "f8",
+    "holonomy": "f8",
+    "slide_force": "f8",
+    "wall_gap": "f8",
+    "unstable_modes": "i4",
+    "converged": "?",
+    "residual": "f8",
+    "iterations": "i4",
+    "segment": "i4",
+    "smooth": "?",
+    "landing": "?",
+    "next_step": "f8",
+    "wall_time": "f8",
+}
+"""Columns that every run file has; those that ``frames.ROW`` has beyond them may be missing."""
 
 ROW_UNITS = {
     "end_shortening": "D",
@@ -95,6 +137,39 @@ ENDING_TYPE = np.dtype(
         ("end_shortening", "f8"),
     ]
 )
+
+
+def with_check(dtype: np.dtype) -> np.dtype:
+    """The type of a record as it is stored: its fields, then the check."""
+    return np.dtype([*dtype.descr, (CHECK, "u8")])
+
+
+def as_rows(stored: np.ndarray) -> np.ndarray:
+    """Stored rows as rows of ``frames.ROW``; numbers of columns they lack are NaN, others zero."""
+    if stored.dtype == ROW:
+        return stored
+    rows = np.zeros(stored.shape, ROW)
+    for name in ROW.names or ():
+        if name in (stored.dtype.names or ()):
+            rows[name] = stored[name]
+        elif ROW[name].kind == "f":
+            rows[name] = np.nan
+    return rows
+
+
+def has_our_columns(dtype: np.dtype) -> bool:
+    """Whether stored rows have the columns of ``frames.ROW`` and no others."""
+    return tuple(name for name in dtype.names or () if name != CHECK) == ROW.names
+
+
+STORED_ROW, STORED_EVENT, STORED_ENDING = map(with_check, (ROW, EVENT_TYPE, ENDING_TYPE))
+
+
+def record(dtype: np.dtype, values: tuple[object, ...]) -> np.void:
+    """One record of a structured type."""
+    made = np.zeros(1, dtype)
+    made[0] = values
+    return made[0]
 
 
 def encoded(text: str, size: int) -> bytes:

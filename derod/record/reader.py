@@ -3,55 +3,61 @@
 from __future__ import annotations
 
 import os
-import struct
 import time
-from pathlib import Path
 from typing import Any, Self
 
-import h5py
 import numpy as np
 
-from derod.errors import RecordError
-from derod.frames import Ending, Event, Outcome
-from derod.record import layout
+from derod.errors import RecordError, SceneError
+from derod.frames import Ending, Event
+from derod.record import checks, layout
+from derod.record.digest import record_digest, table_digest
+from derod.record.gate import Gate, open_gate
+from derod.record.head import Head, WrongKindError
 from derod.record.run import BaseRun
+from derod.record.verify import verify_run
 from derod.scene import Scene, parse_scene
 
 OPEN_TRIES = 5
 OPEN_PAUSE = 0.02  # s
-SIGNATURE = b"\x89HDF\r\n\x1a\n"
-SUPERBLOCK = struct.Struct("<8sB19xQ")  # version 2 and 3: signature, version, end of the file
+OPEN_PATIENCE = 0.5  # s, after which a file that cannot be opened is not tried again
 
 
 class Run(BaseRun):
     """A run file; see ``open_run``. The frames stay those of the last ``refresh``."""
 
-    def __init__(self, path: str | os.PathLike[str]) -> None:
-        self.path: str = os.fspath(path)
-        self._scene: Scene | None = None
-        self._table: np.ndarray | None = None
-        self._file = _open(self.path)
-        try:
-            self._read_head()
-        except BaseException as error:
-            self._file.close()
-            if isinstance(error, KeyError | OSError | RuntimeError | ValueError):
-                raise RecordError(f"{self.path}: is damaged: {error}") from error
-            raise
+    path: str
+    _head: Head
+    _gate: Gate
+    _scene: Scene | None
+    _table: np.ndarray | None
+
+    def __init__(self, path: str | os.PathLike[str], *, verify: bool = False) -> None:
+        self.path = os.fsdecode(os.fspath(path))
+        self._open(None)
+        if verify:
+            try:
+                self.verify()
+            except BaseException:
+                self.close()
+                raise
 
     @property
     def scene(self) -> Scene:
         """The scene as it was run."""
         if self._scene is None:
-            text = self._file[layout.SCENE][()]
-            self._scene = parse_scene(text.decode("utf-8"), path=self.path)
+            try:
+                text = self.scene_text.decode("utf-8")
+                self._scene = parse_scene(text, path=self.path)
+            except (SceneError, UnicodeDecodeError) as error:
+                raise RecordError(f"{self.path}: is damaged: its scene: {error}") from error
         return self._scene
 
     @property
     def table(self) -> np.ndarray:
         """One row for each settled increment, (T,), read-only."""
         if self._table is None:
-            table: np.ndarray = self._read(f"{layout.TABLE}/value", slice(self._frames))
+            table = layout.as_rows(self.stored_table())
             table.flags.writeable = False
             self._table = table
         return self._table
@@ -59,14 +65,30 @@ class Run(BaseRun):
     @property
     def extrapolated(self) -> np.ndarray | None:
         """The rows of ``derod.extrapolate``, or None where the push was not extrapolated."""
-        if layout.EXTRAPOLATED not in self._file:
-            return None
-        return self._read(layout.EXTRAPOLATED, slice(None))
+        with checks.judged(self.path):
+            if layout.EXTRAPOLATED not in self._file:
+                return None
+            found = checks.dataset(self._file, self._gate, layout.EXTRAPOLATED)
+            checks.rows(found, self._gate, self._frames)
+            if len(found) != self._frames:
+                raise checks.DamageError("rows were extrapolated that are not there")
+            table: np.ndarray = self._read(layout.EXTRAPOLATED, slice(None))
+            if layout.CHECK in found.attrs and int(
+                checks.attribute(found, layout.CHECK)
+            ) != table_digest(b"extrapolated", table):
+                raise checks.DamageError("the extrapolated rows do not fit their checksum")
+        return table
 
     @property
     def events(self) -> tuple[Event, ...]:
         """What happened between the frames."""
         stored = self._read(layout.EVENTS, slice(self._events))
+        if self.checksummed:
+            for i, event in enumerate(stored):
+                if int(event[layout.CHECK]) != record_digest(b"event", i, event):
+                    raise RecordError(
+                        f"{self.path}: is damaged: event {i} does not fit its checksum"
+                    )
         return tuple(
             Event(
                 increment=int(event["increment"]),
@@ -87,110 +109,118 @@ class Run(BaseRun):
     @property
     def versions(self) -> dict[str, Any]:
         """Versions, platform, seed and times of making, as recorded."""
-        return dict(self._file["parameters"].attrs)
+        with checks.judged(self.path):
+            self._gate.allow(0)
+            return checks.attributes(checks.part(self._file, "parameters"))
+
+    @property
+    def checksummed(self) -> bool:
+        """Whether the file carries checksums: not so those of derod 0.1."""
+        return self.format > layout.UNCHECKED
+
+    @property
+    def scene_text(self) -> bytes:
+        """The scene's text as it is stored."""
+        value = self._read(layout.SCENE, ())
+        return bytes(value)
 
     def __len__(self) -> int:
         return self._frames
 
+    def verify(self) -> int:
+        """Read everything back and hold it against its checksum; return the number of frames.
+
+        Raises RecordError, which names the first frame that does not fit, or says that the file has no
+        checksums.
+        """
+        return verify_run(self)
+
     def refresh(self) -> Self:
         """Take in what was recorded since, also into a file that took the place of this one."""
         try:
-            replaced = not os.path.samestat(os.stat(self.path), self._stat)  # noqa: PTH116
+            there = os.stat(self.path)  # noqa: PTH116
         except OSError:
-            replaced = False  # moved or deleted: what is open stays readable
-        if replaced:
-            fresh = _open(self.path)
-            self._file.close()
-            self._file = fresh
-        self._read_head()
+            there = self._gate.stat  # moved or deleted: what is open stays readable
+        if not os.path.samestat(there, self._gate.stat):
+            self._open(None)
+        elif not self._head.is_current():
+            self._open(self._gate.descriptor)
         return self
 
     def close(self) -> None:
         """Let go of the file; the table, once read, stays."""
-        self._file.close()
+        self._gate.shut()
+
+    @property
+    def goes_on(self) -> bool:
+        """Whether this derod can go on with the run: its rows have the columns of today."""
+        return layout.has_our_columns(self._found[f"{layout.TABLE}/value"].dtype)
 
     def field(self, name: str, i: int) -> np.ndarray:
         """The array of increment ``i`` that the layout calls ``name``."""
         return self._read(f"{name}/value", i)
 
-    def _read(self, name: str, what: Any) -> np.ndarray:
-        """Part of a dataset as it is now.
+    def stored_table(self) -> np.ndarray:
+        """The committed rows as they are stored, with their checks."""
+        return self._read(f"{layout.TABLE}/value", slice(self._frames))
 
-        HDF5 keeps what it once read of a file, for all who open it in a process, and forgets it on
-        demand only while nobody holds the dataset open: so it is opened for each reading.
-        """
-        dataset = self._file[name]
-        if self._file.swmr_mode and name not in self._fresh:
-            dataset.refresh()
-            self._fresh.add(name)
-        return dataset[what]
+    def read_back(self, i: int | slice, names: tuple[str, ...]) -> list[np.ndarray]:
+        """What the layout calls by ``names`` (``.../value`` and so on) of increment ``i``."""
+        return [self._read(name, i) for name in names]
 
-    def _read_head(self) -> None:
-        """Read what tells how far the file goes."""
-        self._scene = self._table = None
-        self._fresh: set[str] = set()
-        self._stat = os.fstat(self._file.id.get_vfd_handle())
-        version = self._file.attrs.get("derod_format")
-        if version is None:
-            raise RecordError(f"{self.path}: is not a run file of derod")
-        if version > layout.FORMAT:
-            raise RecordError(f"{self.path}: was written by a newer derod (format {version})")
-        frames, events = self._read(layout.COMMITTED, slice(None))
-        self._frames, self._events = int(frames), int(events)
-        self.created = str(self._file["parameters"].attrs["created"])
-        stored = self._read(layout.ENDING, 0)
-        outcome = layout.decoded(bytes(stored["outcome"]))
-        self._ending = (
-            Ending(
-                outcome=Outcome(outcome),
-                message=layout.decoded(bytes(stored["message"])),
-                end_shortening=float(stored["end_shortening"]),
-            )
-            if outcome
-            else None
-        )
+    def attributes_of(self, places: tuple[str, ...]) -> dict[str, dict[str, Any]]:
+        """The attributes of the objects at ``places``; "" is the root."""
+        with checks.judged(self.path):
+            self._gate.allow(0)
+            return {
+                place: checks.attributes(checks.part(self._file, place) if place else self._file)
+                for place in places
+            }
+
+    def _read(self, name: str, what: Any) -> Any:
+        """Part of a dataset, looked at before it is read."""
+        with checks.judged(self.path):
+            self._gate.allow(0)
+            found = self._found.get(name)
+            if found is None:
+                found = self._found[name] = checks.dataset(self._file, self._gate, name)
+            if isinstance(what, int):
+                checks.stored(found, self._gate, what)
+                self._gate.allow(found.dtype.itemsize * found.size // max(len(found), 1))
+            elif what != ():
+                self._gate.allow(found.dtype.itemsize * found.size)
+            return found[what]
+
+    def _open(self, descriptor: int | None) -> None:
+        """Open the file, by its name or the descriptor of the one that is open, and read its head."""
+        began = time.monotonic()
+        for attempt in range(OPEN_TRIES):
+            gate: Gate | None = None
+            try:
+                gate, file = open_gate(self.path, descriptor=descriptor)
+                head = Head(self.path, gate, file)
+                break
+            except RecordError as error:
+                if gate is not None:
+                    gate.shut()
+                late = time.monotonic() - began > OPEN_PATIENCE
+                if late or attempt == OPEN_TRIES - 1 or isinstance(error, WrongKindError):
+                    raise
+                time.sleep(OPEN_PAUSE)  # it may have been in the middle of a change
+        if hasattr(self, "_head"):
+            self.close()
+        self._head = head
+        self._gate, self._file, self._found = head.gate, file, head.found
+        self.format, self.created = head.format, head.created
+        self._frames, self._events, self._ending = head.frames, head.events, head.ending
+        self._scene = None
+        self._table = None
 
 
-def open_run(path: str | os.PathLike[str]) -> Run:
+def open_run(path: str | os.PathLike[str], *, verify: bool = False) -> Run:
     """Open the run file ``path`` for reading, finished, killed or being written by another process.
 
-    Raises RecordError if there is none or it is not one.
+    With ``verify`` all of it is read back and held against its checksums first (``Run.verify``).
+    Raises RecordError if there is none, it is not one, or it is damaged.
     """
-    return Run(path)
-
-
-def is_cut(path: str) -> bool:
-    """Whether an HDF5 file is shorter than its superblock says.
-
-    HDF5 does not check this in a file opened as a live one, and then hangs.
-    """
-    try:
-        with Path(path).open("rb") as file:
-            head = file.read(SUPERBLOCK.size)
-            size = file.seek(0, os.SEEK_END)
-    except OSError:  # opening it says why
-        return False
-    if len(head) < SUPERBLOCK.size:
-        return False
-    signature, version, end = SUPERBLOCK.unpack(head)
-    return signature == SIGNATURE and version in (2, 3) and size < end
-
-
-def _open(path: str) -> h5py.File:
-    """Open for reading; a live or killed file only opens as one that may be written meanwhile."""
-    if not Path(path).is_file():
-        raise RecordError(f"{path}: there is no such file")
-    if is_cut(path):
-        raise RecordError(f"{path}: cannot be read as a run file: its end is missing")
-    reasons = []
-    for attempt in range(OPEN_TRIES):
-        if attempt:
-            time.sleep(OPEN_PAUSE)  # its header may have been in the middle of a change
-        for live in (False, True):
-            try:
-                return h5py.File(path, "r", swmr=live, locking=False, rdcc_nbytes=0)
-            except OSError as error:
-                reasons.append(str(error).splitlines()[0])
-        if not h5py.is_hdf5(path):
-            break
-    raise RecordError(f"{path}: cannot be read as a run file: {reasons[-1]}")
+    return Run(path, verify=verify)

@@ -5,13 +5,16 @@ from __future__ import annotations
 import contextlib
 import os
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from derod.errors import RecordError
-from derod.frames import ROW, Ending, Event, Frame, Outcome
+from derod.frames import Ending, Event, Frame, Outcome
+from derod.outputs import check_output, passing_name, publish, sweep
 from derod.record.growing import GrowingFile, NoRoomError
+from derod.record.lock import Lock
 from derod.record.reader import Run, open_run
+from derod.record.verify import verify_head
 from derod.scene import Scene
 
 
@@ -24,7 +27,7 @@ class RunWriter:
     """
 
     def __init__(self, path: str | os.PathLike[str], *, overwrite: bool = False) -> None:
-        self.path = os.fspath(path)
+        self.path = os.fsdecode(os.fspath(path))
         self._overwrite = overwrite
         self._file: GrowingFile | None = None
         self._last = float("nan")  # end-shortening
@@ -37,9 +40,9 @@ class RunWriter:
                     f"{self.path}: a push that goes on at increment {first_increment} needs the "
                     "frames before it (see resume_copy)"
                 )
-            if not self._overwrite and os.path.lexists(self.path):
-                raise RecordError(f"{self.path}: exists already")
-            self._file = _create(self.path, scene, None)
+            target = check_output(self.path, force=self._overwrite)
+            with _held_if_there(target) as held:
+                self._file = _create(self.path, target, scene, None, held)
         elif first_increment != self._file.frames:
             raise RecordError(
                 f"{self.path}: has {self._file.frames} frames, but the push goes on at "
@@ -92,11 +95,15 @@ class RunWriter:
         file = self._opened()
         try:
             if not file.is_at(self.path):
-                raise GoneError("the file is gone: it or its folder was deleted, moved or replaced")
+                raise GoneError(
+                    "the file is gone: it or its folder was deleted, moved or replaced, with "
+                    f"{file.frames} frames"
+                )
             write(file)
         except (OSError, RuntimeError) as error:
             self._file = None
-            message = f"{self.path}: {_reason(error)}; {file.frames} frames are safe"
+            safe = 0 if isinstance(error, GoneError) else file.frames
+            message = f"{self.path}: {_reason(error)}; {safe} frames are safe"
             _leave(file, error, Ending(Outcome.RECORD_FAILED, message, self._last))
             raise RecordError(message) from error
 
@@ -105,47 +112,106 @@ class GoneError(OSError):
     """The name of the file leads elsewhere, or nowhere."""
 
 
-def resume_copy(path: str | os.PathLike[str], scene: Scene | None = None) -> RunWriter:
+def resume_copy(
+    path: str | os.PathLike[str], scene: Scene | None = None, lock: Lock | None = None
+) -> RunWriter:
     """A writer that goes on after the last committed frame of the run file ``path``.
 
-    The committed frames, and the events before them, are copied into a new file that then takes the
-    place of the old one in one step; a file whose writer was killed is never appended to.
-    ``scene`` replaces the recorded one, e.g. for a longer push; the mesh must stay.
-    Raises RecordError.
+    The committed frames, and the events before them, are held against their checksums and copied into a
+    new file that then takes the place of the old one in one step; a file whose writer was killed is
+    never appended to. ``scene`` replaces the recorded one, e.g. for a longer push; the mesh must stay.
+    ``lock`` is the file's, where the caller holds it already. Raises RecordError, InUseError where
+    another process writes the file.
     """
-    with open_run(path) as run:
+    with contextlib.ExitStack() as stack:
+        held = stack.enter_context(locked(path)) if lock is None else lock
+        run = stack.enter_context(open_run(path))
+        if run.checksummed:
+            verify_head(run)
         scene = run.scene if scene is None else scene
-        if run.table.dtype != ROW:
+        if not run.goes_on:
             raise RecordError(f"{run.path}: was written by another version, which cannot go on")
         if scene.mesh != run.scene.mesh:
             raise RecordError(f"{run.path}: a run cannot go on with another mesh")
         writer = RunWriter(path)
-        writer._file = _create(writer.path, scene, run)  # a friend: the only other maker of writers
+        target = check_output(path, force=True)
+        # a friend: the only other maker of writers
+        writer._file = _create(writer.path, target, scene, run, held)
         if len(run):
             writer._last = float(run.table["end_shortening"][-1])
     return writer
 
 
-def _create(path: str, scene: Scene, old: Run | None) -> GrowingFile:
-    """A file under a passing name, with the frames of ``old``, then moved to ``path``."""
-    folder, name = os.path.split(path)
-    passing = os.path.join(folder, f".{name}.{os.getpid()}.part")  # noqa: PTH118
+def locked(path: str | os.PathLike[str]) -> Lock:
+    """The lock of the run file ``path``, which must be there and not be write-protected.
+
+    Raises RecordError, InUseError.
+    """
+    name = os.fsdecode(os.fspath(path))
+    if not os.path.isfile(name):  # noqa: PTH113
+        raise RecordError(f"{name}: there is no such file")
+    target = check_output(name, force=True)
+    try:
+        return Lock.take(str(target))
+    except OSError as error:
+        raise RecordError(f"{name}: cannot be written: {_reason(error)}") from error
+
+
+@contextlib.contextmanager
+def _held_if_there(target: Path) -> Iterator[Lock | None]:
+    """The lock of a file that shall be replaced; None where there is none yet."""
+    try:
+        held = Lock.take(str(target)) if target.exists() else None
+    except FileNotFoundError:
+        held = None
+    except OSError as error:
+        raise RecordError(f"{target}: cannot be written: {_reason(error)}") from error
+    try:
+        yield held
+    finally:
+        if held is not None:
+            held.release()
+
+
+def _create(
+    path: str, target: Path, scene: Scene, old: Run | None, held: Lock | None
+) -> GrowingFile:
+    """A file under a passing name, with the frames of ``old``, then moved to ``target``.
+
+    ``held`` is the lock of the file whose place it takes.
+    """
+    passing = passing_name(target)
     file = None
     try:
-        Path(folder).mkdir(parents=True, exist_ok=True)
-        file = GrowingFile(passing, scene, None if old is None else old.created)
+        target.parent.mkdir(parents=True, exist_ok=True)
+        sweep(target)
+        passing.unlink(missing_ok=True)
+        file = GrowingFile(str(passing), scene, None if old is None else old.created)
         if old is not None:
             file.copy(old)
-        os.replace(passing, path)  # noqa: PTH105
+        publish(passing, target, held)
     except BaseException as error:
         if file is not None:
             file.abandon()
         with contextlib.suppress(OSError):  # not there, or no way to it
-            Path(passing).unlink()
+            passing.unlink()
+        if isinstance(error, FileExistsError):  # it came between the look and the move
+            raise _taken(path, target) from error
         if isinstance(error, OSError | RuntimeError):
             raise RecordError(f"{path}: cannot be written: {_reason(error)}") from error
         raise
     return file
+
+
+def _taken(path: str, target: Path) -> RecordError:
+    """Why a name cannot be had that another writer took a moment ago."""
+    try:
+        Lock.take(str(target)).release()
+    except RecordError as error:
+        return error
+    except OSError:
+        return RecordError(f"{path}: exists already")
+    return RecordError(f"{path}: exists already")
 
 
 def _leave(file: GrowingFile, error: Exception, ending: Ending) -> None:

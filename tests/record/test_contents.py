@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import datetime
 from pathlib import Path
 
 import h5py
@@ -11,7 +12,7 @@ import pytest
 import derod
 from derod.errors import RecordError
 from derod.frames import ROW, Ending, Event, Outcome
-from derod.record import RunWriter, layout, open_run, resume_copy
+from derod.record import RunWriter, growing, layout, open_run, resume_copy
 from tests.synthetic import drive, is_frame, make_event, make_frame, small_scene
 
 COUNT = 40  # increments of small_scene
@@ -147,11 +148,21 @@ def test_a_finished_run_is_copied_and_goes_on(finished: Path) -> None:
     assert [entry.name for entry in finished.parent.iterdir()] == ["run.h5"]
 
 
-def test_a_copy_keeps_its_birthday_and_says_when_it_was_opened(finished: Path) -> None:
-    with h5py.File(finished, "r+") as file:
-        file["parameters"].attrs["created"] = "2001-02-03T04:05:06+00:00"
-    resume_copy(finished).finish(Ending(Outcome.INTERRUPTED, "at once", 0.0))
-    with open_run(finished) as run:
+def test_a_copy_keeps_its_birthday_and_says_when_it_was_opened(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "run.h5"
+
+    class LongAgo(datetime.datetime):
+        @classmethod
+        def now(cls, tz: datetime.tzinfo | None = None) -> datetime.datetime:
+            return datetime.datetime(2001, 2, 3, 4, 5, 6, tzinfo=tz)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(growing.datetime, "datetime", LongAgo)
+        drive(small_scene(), [RunWriter(path)])
+    resume_copy(path).finish(Ending(Outcome.INTERRUPTED, "at once", 0.0))
+    with open_run(path) as run:
         assert run.created == "2001-02-03T04:05:06+00:00"
         assert run.versions["opened"] > "2026"
         assert len(run) == COUNT

@@ -13,7 +13,7 @@ import pytest
 
 import derod.driver
 from derod import push
-from derod.errors import RecordError
+from derod.errors import InUseError, RecordError
 from derod.frames import Frame, Outcome
 from derod.record import RunWriter, growing, open_run, resume_copy
 from tests.synthetic import drive, is_frame, make_event, make_frame, small_scene
@@ -92,7 +92,7 @@ def test_a_folder_that_vanishes(tmp_path: Path) -> None:
     folder = tmp_path / "folder"
     writer = begun(folder / "run.h5")
     shutil.rmtree(folder)
-    with pytest.raises(RecordError, match=r"the file is gone.*3 frames are safe"):
+    with pytest.raises(RecordError, match=r"the file is gone.*with 3 frames; 0 frames are safe"):
         writer.frame(make_frame(3, 24))
 
 
@@ -107,10 +107,13 @@ def test_a_folder_that_is_renamed(tmp_path: Path) -> None:
 
 
 def test_a_file_that_is_replaced(tmp_path: Path) -> None:
-    path = tmp_path / "run.h5"
+    path, other = tmp_path / "run.h5", tmp_path / "other.h5"
     writer = begun(path)
-    drive(small_scene(), [RunWriter(path, overwrite=True)])
-    with pytest.raises(RecordError, match="the file is gone"):
+    with pytest.raises(InUseError, match=f"is being written by process {os.getpid()}"):
+        drive(small_scene(), [RunWriter(path, overwrite=True)])
+    drive(small_scene(), [RunWriter(other)])
+    other.replace(path)
+    with pytest.raises(RecordError, match=r"the file is gone.*with 3 frames; 0 frames are safe"):
         writer.frame(make_frame(3, 24))
     with open_run(path) as run:
         assert len(run) == 40, "the other's file is left alone"
@@ -132,7 +135,7 @@ def test_a_push_whose_folder_vanishes(tmp_path: Path) -> None:
         def finish(self, ending: object) -> None:
             heard.append(ending)
 
-    with pytest.raises(RecordError, match="8 frames are safe"):
+    with pytest.raises(RecordError, match="with 8 frames; 0 frames are safe"):
         push(small_scene(), folder / "run.h5", [Vandal()])
     (ending,) = heard
     assert ending.outcome is Outcome.RECORD_FAILED
