@@ -6,16 +6,19 @@ import math
 import os
 from collections.abc import Sequence
 
+from derod import interrupts
 from derod.errors import RecordError, SceneError
 from derod.extrapolate import coarser
 from derod.extrapolate import extrapolate as extrapolate_runs
 from derod.frames import Ending, Event, Frame, Observer, Outcome
+from derod.observers import guarded
 from derod.record import (
     BaseRun,
     MemoryRun,
     Run,
     RunWriter,
     attach_extrapolated,
+    locked,
     open_run,
     resume_copy,
 )
@@ -35,9 +38,9 @@ def push(
     """Push the rod of ``scene`` and return the run, open for reading.
 
     With ``path`` every increment is committed to that HDF5 file as it settles; without, the run is
-    kept in memory. ``observers`` see each frame after it was recorded. ``resume`` goes on, in
-    place, with a run file that was killed, interrupted or finished; ``scene`` may then be None, or
-    the same rod pushed further.
+    kept in memory. ``observers`` see each frame after it was recorded; one that raises is left out
+    from then on, with a line on standard error. ``resume`` goes on, in place, with a run file that
+    was killed, interrupted or finished; ``scene`` may then be None, or the same rod pushed further.
 
     With ``extrapolate`` the push is done once more on half the edges, landing on every row of the first,
     and ``run.extrapolated`` holds better values and estimated errors (``derod.extrapolate``).
@@ -61,30 +64,37 @@ def push(
     scene = build_scene(plain_tables(scene), scene.path)  # it may have been put together by hand
     if path is None:
         memory = MemoryRun()
-        _drive(scene, [memory, *observers], None)
+        _drive(scene, memory, observers, None)
         return memory
-    _drive(scene, [RunWriter(path, overwrite=overwrite), *observers], None)
+    _drive(scene, RunWriter(path, overwrite=overwrite), observers, None)
     return open_run(path)
 
 
 def _resume(
     scene: Scene | None, path: str | os.PathLike[str], observers: Sequence[Observer]
 ) -> Run:
-    with open_run(path) as old:
+    with locked(path) as lock, open_run(path) as old:
         scene = old.scene if scene is None else scene
         scene = build_scene(plain_tables(scene), scene.path)
         if old.outcome is Outcome.COMPLETED and scene == old.scene:
             return open_run(path)
         check_continues(old, scene)
-        _drive(scene, [resume_copy(path, scene), *observers], old if len(old) else None)
+        writer = resume_copy(path, scene, lock)
+        lock.release()  # the new file has one of its own
+        _drive(scene, writer, observers, old if len(old) else None)
     return open_run(path)
 
 
 def _extrapolated(run: BaseRun) -> BaseRun:
-    """Push on half the edges and keep the extrapolated rows with ``run``, if it has any rows."""
+    """Push on half the edges and keep the extrapolated rows with ``run``, if it has any rows.
+
+    Where that push is interrupted the run comes back as it is.
+    """
     if run.outcome in (None, Outcome.INTERRUPTED) or not len(run):
         return run
     coarse = push(coarser(run))
+    if coarse.outcome is Outcome.INTERRUPTED:
+        return run
     table = extrapolate_runs(coarse, run)
     if isinstance(run, MemoryRun):
         run.keep_extrapolated(table)
@@ -120,46 +130,72 @@ def check_continues(old: BaseRun, scene: Scene) -> None:
         )
 
 
-class _LastSeen:
-    """The observer at the end of the row: knows how far the push came and whether it was ended."""
+class _FirstToHear:
+    """The observer at the head of the row: knows how far the push came and whether it was ended.
+
+    From the ending on no signal may disturb the others, which write it down.
+    """
 
     def __init__(self) -> None:
-        self.end_shortening = float("nan")
+        self.end_shortening = math.nan
         self.finished = False
 
     def start(self, scene: Scene, first_increment: int) -> None: ...
 
     def event(self, event: Event) -> None: ...
 
-    def frame(self, frame: Frame) -> None:
-        self.end_shortening = float(frame.row["end_shortening"])
+    def frame(self, frame: Frame) -> None: ...
 
     def finish(self, ending: Ending) -> None:
         self.finished = True
+        interrupts.acknowledge()
 
 
-def _drive(scene: Scene, observers: Sequence[Observer], resume: Run | None) -> Ending:
-    """Run the driver; whatever stops it, every observer hears how it ended."""
-    from derod.driver import drive  # compiles kernels, which reading runs does not need
+class _LastToHear(_FirstToHear):
+    """The observer at the end of the row: what it has seen, all have."""
 
-    last = _LastSeen()
-    everyone = [*observers, last]
+    def frame(self, frame: Frame) -> None:
+        self.end_shortening = float(frame.row["end_shortening"])
+
+
+def _drive(
+    scene: Scene,
+    record: RunWriter | MemoryRun,
+    observers: Sequence[Observer],
+    resume: Run | None,
+) -> Ending:
+    """Run the driver; whatever stops it, every observer hears how it ended.
+
+    Only the record can end the push; ``observers`` that raise are left out from then on.
+    """
+    last = _LastToHear()
+    everyone = [_FirstToHear(), record, *guarded(observers), last]
 
     def end(outcome: Outcome, message: str) -> Ending:
+        interrupts.acknowledge()
         ending = Ending(outcome, message, last.end_shortening)
         if not last.finished:
             for observer in everyone:
                 observer.finish(ending)
         return ending
 
+    def interrupted() -> Ending:
+        place = last.end_shortening
+        where = "before the first increment" if math.isnan(place) else f"at {place:.6g}"
+        return end(Outcome.INTERRUPTED, f"{interrupts.words()} {where}")
+
     try:
+        from derod.driver import drive  # compiles kernels, which reading runs does not need
+
         ending = drive(scene, everyone, resume)
     except KeyboardInterrupt:
-        return end(Outcome.INTERRUPTED, "interrupted from outside")
+        return interrupted()
     except RecordError as error:
         end(Outcome.RECORD_FAILED, str(error))
         raise
     except BaseException as error:
+        if interrupts.pending() is not None:  # swallowed on its way, it came back as this
+            return interrupted()
         end(Outcome.INTERRUPTED, f"stopped by {type(error).__name__}: {error}")
         raise
     if ending.outcome is Outcome.RECORD_FAILED:

@@ -7,15 +7,15 @@ they need when they run.
 from __future__ import annotations
 
 import argparse
-import os
 import sys
 from collections.abc import Sequence
 from importlib import import_module
-from typing import Any
+from typing import Any, NoReturn
 
-from derod import __version__
-from derod.errors import DerodError, RecordError
-from derod.exits import BAD_INPUT, DONE, INTERRUPTED, NOT_REACHED
+from derod import __version__, interrupts, terminal
+from derod.errors import DerodError, RecordError, printable
+from derod.exits import BAD_INPUT, DONE, MEANINGS, NOT_REACHED, NOT_SHOWN
+from derod.outputs import RefusedError
 
 METHODS = ("implicit", "elliptic", "fire", "kinetic")
 
@@ -34,29 +34,69 @@ Each has ``add_push_options(parser)`` and ``make_observers(args, scene) -> list[
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line and return its exit code.
+    """Run the command line and return its exit code (``exits.MEANINGS``)."""
+    terminal.keep_descriptors()
+    with interrupts.signals():
+        return _guarded(arguments)
 
-    0 the push reached its stop, 2 bad input, 3 it did not reach it or could not be recorded,
-    130 interrupted.
-    """
-    args = build_parser().parse_args(arguments)
+
+def _guarded(arguments: Sequence[str] | None) -> int:
+    """Run a command; whatever happens is one line and an exit code."""
+    code = DONE
     try:
-        return int(args.command(args))
-    except BrokenPipeError:  # the reader of our output has had enough
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return DONE
+        args = build_parser().parse_args(arguments)
+        code = int(args.command(args))
+        terminal.finish()
+        return code
+    except terminal.NotShownError as error:
+        terminal.say(f"derod: {error}")
+        return code or int(getattr(error, "code", NOT_SHOWN))
     except DerodError as error:
-        print(f"derod: {error}", file=sys.stderr)
-        return NOT_REACHED if args.writes and isinstance(error, RecordError) else BAD_INPUT
+        terminal.say(f"derod: {error}")
+        if isinstance(error, RecordError) and not isinstance(error, RefusedError):
+            return NOT_REACHED if args.writes else BAD_INPUT
+        return BAD_INPUT
+    except SystemExit as stop:  # of argparse, after its own words
+        return _after_words(stop)
     except KeyboardInterrupt:
-        print("derod: interrupted", file=sys.stderr)
-        return INTERRUPTED
+        return _interrupted()
+    except Exception:
+        if interrupts.pending() is None:
+            raise
+        return _interrupted()  # it was swallowed on its way, and came back as something else
+
+
+def _after_words(stop: SystemExit) -> int:
+    """Let argparse end; help that cannot be printed is an error like any other."""
+    try:
+        terminal.finish()
+    except terminal.NotShownError as error:
+        terminal.say(f"derod: {error}")
+        return NOT_SHOWN
+    raise stop
+
+
+def _interrupted() -> int:
+    interrupts.acknowledge()
+    terminal.say(f"derod: {interrupts.words()}")
+    return interrupts.exit_code()
+
+
+class Parser(argparse.ArgumentParser):
+    """One whose complaints a terminal can show."""
+
+    def error(self, message: str) -> NoReturn:
+        """Print the usage and what is wrong, and exit with 2."""
+        self.print_usage(sys.stderr)
+        self.exit(BAD_INPUT, f"{self.prog}: error: {printable(message)}\n")
 
 
 def build_parser() -> argparse.ArgumentParser:
     """The parser of all commands; ``args.command(args)`` runs the one that was given."""
-    parser = argparse.ArgumentParser(
-        prog="derod", description="Push an elastic rod into a liquid drop and watch it coil."
+    parser = Parser(
+        prog="derod",
+        description="Push an elastic rod into a liquid drop and watch it coil.",
+        epilog=MEANINGS,
     )
     parser.add_argument("--version", action="version", version=f"derod {__version__}")
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
@@ -74,11 +114,11 @@ def _add_push(commands: Any) -> None:
         "push",
         help="push the rod of a scene and record every settled increment",
         description="Push the rod of SCENE and record every settled increment in FILE.",
-        epilog="Exit codes: 0 reached the stop, 2 bad input, 3 did not reach it, 130 interrupted.",
+        epilog=MEANINGS,
     )
     parser.add_argument("scene", nargs="?", metavar="SCENE", help="scene file (TOML)")
     parser.add_argument("-o", "--output", metavar="FILE", help="run file to write (HDF5)")
-    parser.add_argument("--force", action="store_true", help="replace FILE if it exists")
+    parser.add_argument("--force", action="store_true", help="replace files that exist")
     parser.add_argument("--resume", metavar="FILE", help="go on with a run that has ended")
     parser.add_argument("--method", metavar="M", help=f"relaxation: {', '.join(METHODS)}")
     parser.add_argument("--edges", type=int, metavar="N", help="edges of the discrete rod")
@@ -107,6 +147,9 @@ def _add_check(commands: Any) -> None:
 def _add_info(commands: Any) -> None:
     parser = commands.add_parser("info", help="say what a run did: landings, events, outcome")
     parser.add_argument("file", metavar="FILE", help="run file, finished or not")
+    parser.add_argument(
+        "--verify", action="store_true", help="read all of it back and check it (exit code 2)"
+    )
     parser.set_defaults(command=_run("info"), writes=False)
 
 

@@ -3,67 +3,65 @@
 from __future__ import annotations
 
 import argparse
-import os
-import signal
-import sys
-import threading
-from collections.abc import Iterator
-from contextlib import contextmanager
 from importlib import import_module
-from typing import NoReturn
 
-from derod import exits
+from derod import exits, interrupts
 from derod.errors import RecordError
 from derod.frames import Observer, Outcome
+from derod.outputs import check_output
 from derod.scene import Scene, dimensionless_groups, load_scene
+from derod.terminal import say, say_done, show
 
-EXIT_CODES = {
-    Outcome.COMPLETED: exits.DONE,
-    Outcome.INTERRUPTED: exits.INTERRUPTED,
-}
-"""Of the outcomes; all others are ``exits.NOT_REACHED``."""
+EXIT_CODES = {Outcome.COMPLETED: exits.DONE}
+"""Of the outcomes; an interrupted one's is 128 and the signal's, all others are ``exits.NOT_REACHED``."""
 
 
 def push(args: argparse.Namespace) -> int:
     """``derod push``."""
-    from derod.api import push as push_scene
-
     scene = _scene_to_push(args)
+    watchers: list[Observer] = []
+    for module in args.watchers:
+        watchers += import_module(module).make_observers(args, scene)
     observers: list[Observer] = []
     if not args.quiet:
         from derod.progress import Progress
 
         observers.append(Progress())
-    for module in args.watchers:
-        observers += import_module(module).make_observers(args, scene)
-    with _terminable():
-        run = push_scene(
-            scene,
-            None if args.resume else args.output,
-            observers,
-            resume=args.resume,
-            overwrite=args.force,
-            extrapolate=args.extrapolate,
-        )
-    with run:
-        ending, count = run.ending, len(run)
+    from derod.api import push as push_scene
+
+    with push_scene(
+        scene,
+        None if args.resume else args.output,
+        observers + watchers,
+        resume=args.resume,
+        overwrite=args.force,
+        extrapolate=args.extrapolate,
+    ) as run:
+        ending, count, extrapolated = run.ending, len(run), run.extrapolated is not None
     if ending is None:
         raise RecordError(f"{run.path}: the push left no word of how it ended")
+    words = (
+        f"{ending.outcome.replace('_', ' ')}: {ending.message} ({count} increments in {run.path})"
+    )
     code = EXIT_CODES.get(ending.outcome, exits.NOT_REACHED)
-    words = f"{ending.outcome.replace('_', ' ')}: {ending.message}"
+    if ending.outcome is Outcome.INTERRUPTED:
+        code = interrupts.exit_code()
+    elif args.extrapolate and not extrapolated:
+        words += "; it was not extrapolated"
+        code = exits.NOT_REACHED if interrupts.pending() is None else interrupts.exit_code()
     if code != exits.DONE:
-        print(f"derod: {words} ({count} increments in {run.path})", file=sys.stderr)
+        say(f"derod: {words}")
     elif not args.quiet:
-        print(f"{words} ({count} increments in {run.path})")
+        say_done(words)
     return code
 
 
 def check(args: argparse.Namespace) -> int:
     """``derod check``."""
     scene = load_scene(args.scene)
-    print(f"{args.scene}: a scene that can be pushed")
+    show(f"{args.scene}: a scene that can be pushed")
     for group in dimensionless_groups(scene):
-        print(f"  {group.symbol:18}{group.value:<14.6g}{group.meaning}")
+        show(f"  {group.symbol:18}{group.value:<14.6g}{group.meaning}")
     return exits.DONE
 
 
@@ -72,9 +70,11 @@ def info(args: argparse.Namespace) -> int:
     from derod.record import open_run
     from derod.summary import summary_lines
 
-    with open_run(args.file) as run:
+    with open_run(args.file, verify=args.verify) as run:
         for line in summary_lines(run):
-            print(line)
+            show(line)
+        if args.verify:
+            show(f"verified: all {len(run)} increments, events and the scene fit their checksums")
     return exits.DONE
 
 
@@ -87,19 +87,22 @@ def _scene_to_push(args: argparse.Namespace) -> Scene:
     }
     given = {key: value for key, value in changes.items() if value is not None}
     if args.resume:
-        if args.scene or args.output or args.force:
-            raise exits.UsageError("--resume FILE goes on in FILE: give no SCENE, -o or --force")
+        forced = args.force and not str(args.rerun or "").endswith(".rrd")
+        if args.scene or args.output or forced:
+            raise exits.UsageError(
+                "--resume FILE goes on in FILE: give no SCENE and no -o, and --force for --rerun only"
+            )
         if set(given) - {"push.stop"}:
             raise exits.UsageError(
                 "a resumed run keeps its method and its mesh; only --stop may change"
             )
-        return _recorded_scene(args.resume).replace(given)
+        scene = _recorded_scene(args.resume).replace(given)
+        check_output(args.resume, force=True)
+        return scene
     if not args.scene or not args.output:
         raise exits.UsageError("push needs SCENE and -o FILE, or --resume FILE")
-    scene = load_scene(args.scene).replace(given)
-    if os.path.lexists(args.output) and not args.force:
-        raise exits.UsageError(f"{args.output}: exists already; --force replaces it")
-    return scene
+    check_output(args.output, force=args.force, inputs=[args.scene])
+    return load_scene(args.scene).replace(given)
 
 
 def _recorded_scene(path: str) -> Scene:
@@ -115,20 +118,3 @@ def _recorded_scene(path: str) -> Scene:
 def _stops(text: str) -> str | list[str]:
     parts = [part.strip() for part in text.split(",")]
     return parts[0] if len(parts) == 1 else parts
-
-
-@contextmanager
-def _terminable() -> Iterator[None]:
-    """Let SIGTERM end a push as Ctrl-C does, with the file closed and the ending written."""
-
-    def interrupt(number: int, frame: object) -> NoReturn:
-        raise KeyboardInterrupt
-
-    if threading.current_thread() is not threading.main_thread():
-        yield  # signals go to the main thread only
-        return
-    before = signal.signal(signal.SIGTERM, interrupt)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGTERM, before)

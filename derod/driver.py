@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from derod import interrupts
 from derod.descent import Descender, Descent, Noise
 from derod.encode import Settled, decode, encode
 from derod.errors import RecordError
@@ -443,7 +444,9 @@ def drive(scene: Scene, observers: Sequence[Observer], resume: Run | None = None
     except Stuck as stuck:
         ending = Ending(stuck.outcome, str(stuck), where(push))
     except KeyboardInterrupt:
-        ending = Ending(Outcome.INTERRUPTED, f"interrupted at {where(push):.6g}", where(push))
+        place = where(push)
+        said = "before the first increment" if np.isnan(place) else f"at {place:.6g}"
+        ending = Ending(Outcome.INTERRUPTED, f"{interrupts.words()} {said}", place)
     except RecordError as error:
         ending = Ending(Outcome.RECORD_FAILED, str(error), where(push))
     for observer in observers:

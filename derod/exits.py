@@ -4,7 +4,12 @@ from __future__ import annotations
 
 from derod.errors import DerodError
 
-DONE, BAD_INPUT, NOT_REACHED, INTERRUPTED = 0, 2, 3, 130
+DONE, EXCEEDED, BAD_INPUT, NOT_REACHED, NOT_SHOWN, INTERRUPTED = 0, 1, 2, 3, 4, 130
+MEANINGS = (
+    "Exit codes: 0 done (push: reached the stop), 1 compare: an error exceeds the tolerance, 2 bad input or "
+    "a file that must not be written, 3 not reached, not found or not recorded, 4 done, but the results "
+    "could not be printed, 128 + n ended by signal n (130: Ctrl-C)."
+)
 
 
 class UsageError(DerodError):

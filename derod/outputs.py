@@ -20,7 +20,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from derod.errors import DerodError, RecordError
-from derod.record.lock import Lock, is_locked
+from derod.lock import Lock, is_locked
 
 ASK = "--force replaces it"
 YOUNG = 60.0  # s; the passing file of a live process may not be locked yet

@@ -3,10 +3,17 @@
 from __future__ import annotations
 
 import argparse
-import sys
-from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+from derod import lock, outputs, terminal
+from derod.errors import RecordError, SceneError
+from derod.scene import load_scene
+
+if TYPE_CHECKING:
+    from derod.branches.parameters import Parameters
+    from derod.branches.writing import BranchWriter, Settings
+
+say, say_done, show = terminal.say, terminal.say_done, terminal.show
 GOOD, EXCEEDED, BAD_INPUT, NOT_FOUND = 0, 1, 2, 3
 
 
@@ -18,7 +25,9 @@ def add_branch_parser(subparsers: Any) -> argparse.ArgumentParser:
         description="Compute the solution branches of the paper's boundary-value problem by "
         "pseudo-arclength continuation and write them to a branch file; or export such a file.",
     )
-    parser.add_argument("scene", help="scene file (*.toml), or a branch file with --export")
+    parser.add_argument(
+        "scene", nargs="?", help="scene file (*.toml), or a branch file with --export"
+    )
     parser.add_argument("-o", "--output", help="branch file (*.h5) to write, or the text exported")
     parser.add_argument(
         "--paths", help="names separated by commas: Ax,3D,L2,3D-L2,Pt,Tri1 (default: all)"
@@ -41,6 +50,10 @@ def add_branch_parser(subparsers: Any) -> argparse.ArgumentParser:
         choices=["auto"],
         help="write a branch file as a table of AUTO's b.-file columns",
     )
+    parser.add_argument("--force", action="store_true", help="replace the output if it exists")
+    parser.add_argument(
+        "--resume", metavar="FILE", help="compute the branches that are missing in FILE"
+    )
     parser.add_argument("--quiet", action="store_true", help="no progress")
     parser.set_defaults(command=run_branch, writes=True)
     return parser
@@ -52,73 +65,114 @@ def run_branch(args: argparse.Namespace) -> int:
         value = getattr(args, name)
         if not 0.0 < value < 1.0:
             return _complain(f"--{name.replace('_', '-')} = {value:g}: allowed: between 0 and 1")
-    return _export(args) if args.export else _compute(args)
+    try:
+        return _export(args) if args.export else _compute(args)
+    except outputs.RefusedError as error:
+        return _complain(f"-o = {error}")
+    except SceneError as error:
+        return _complain(str(error))
 
 
 def _compute(args: argparse.Namespace) -> int:
-    from derod.branches.arc import Control
-    from derod.branches.compute import compute_branches
+    from derod.branches.compute import family
     from derod.branches.parameters import Parameters
-    from derod.branches.record import write_branches
-    from derod.errors import DerodError
-    from derod.scene import load_scene
+    from derod.branches.writing import BranchWriter, Settings
 
+    if args.resume is not None:
+        return _resume(args)
+    if args.scene is None:
+        return _complain("SCENE is missing: what the branches are of; or give --resume FILE")
     if args.output is None:
         return _complain("-o FILE is missing: where the branches shall be written")
-    if not Path(args.output).parent.is_dir():
-        return _complain(
-            f"-o = {args.output}: no such folder; allowed: a file in an existing folder"
-        )
-    try:
-        scene = load_scene(args.scene)
-        parameters = Parameters.from_scene(scene)
-    except DerodError as error:
-        return _complain(str(error))
-    control = Control(tolerance=args.tolerance, largest_step=args.max_step, accuracy=args.accuracy)
     names = None
     if args.paths is not None:
-        names = [name.strip() for name in args.paths.split(",") if name.strip()]
+        names = tuple(name.strip() for name in args.paths.split(",") if name.strip())
         if not names:
             return _complain(f"--paths = {args.paths!r}: no name in it")
-    say = (lambda line: None) if args.quiet else (lambda line: print(line, flush=True))
-    try:
-        branches, complaints = compute_branches(
-            parameters, names, control, not args.no_stability, say
-        )
-    except ValueError as error:
-        return _complain(f"--{error}")
-    try:
-        write_branches(args.output, parameters, branches, scene.text)
-    except OSError as error:
-        return _complain(f"-o = {args.output}: cannot be written: {error}")
-    say(f"{args.output}: {len(branches)} branches, {sum(len(b.points) for b in branches)} points")
+        try:
+            _ = [family(name) for name in names]
+        except ValueError as error:
+            return _complain(f"--{error}")
+    outputs.check_output(args.output, force=args.force, inputs=[args.scene], make_folders=False)
+    scene = load_scene(args.scene)
+    parameters = Parameters.from_scene(scene)
+    settings = Settings(names, args.tolerance, args.max_step, args.accuracy, not args.no_stability)
+    with BranchWriter(
+        args.output, parameters, scene.text, settings, overwrite=args.force
+    ) as writer:
+        return _run(writer, parameters, settings, args.quiet, {})
+
+
+def _resume(args: argparse.Namespace) -> int:
+    """Go on with a branch file that is not complete."""
+    from derod.branches.record import open_branches
+    from derod.branches.writing import BranchWriter, Settings
+
+    if args.scene is not None or args.output is not None or args.paths is not None:
+        return _complain("--resume FILE goes on in FILE: give no SCENE, no -o and no --paths")
+    outputs.check_output(args.resume, force=True)
+    with lock.Lock.take(args.resume), open_branches(args.resume) as file:
+        if file.complete:
+            say_done(f"{args.resume}: is complete: {', '.join(file.names) or 'no branches'}")
+            return GOOD
+        have = {branch.name: len(branch) for branch in file.values()}
+        parameters, text = file.parameters, file.scene_text
+        settings = Settings.load(file.settings, args.resume)
+    with BranchWriter(args.resume, parameters, text, settings, resume=True) as writer:
+        return _run(writer, parameters, settings, args.quiet, have)
+
+
+def _run(
+    writer: BranchWriter,
+    parameters: Parameters,
+    settings: Settings,
+    quiet: bool,
+    have: dict[str, int],
+) -> int:
+    """Compute what is missing and write it, branch by branch; ``have`` counts points by name."""
+    from derod.branches.arc import Control
+    from derod.branches.compute import compute_branches
+
+    control = Control(
+        tolerance=settings.tolerance,
+        largest_step=settings.max_step,
+        accuracy=settings.accuracy,
+    )
+    tell = (lambda line: None) if quiet else say_done
+    branches, complaints = compute_branches(
+        parameters, settings.paths, control, settings.count_modes, tell, writer.put, have
+    )
+    writer.put(complete=True)
+    points = sum(have.values()) + sum(len(branch.points) for branch in branches)
+    tell(f"{writer.path}: {len(have) + len(branches)} branches, {points} points")
     for line in complaints:
-        print(f"derod branch: {line}", file=sys.stderr)
+        say(f"derod branch: {line}")
     return NOT_FOUND if complaints else GOOD
 
 
 def _export(args: argparse.Namespace) -> int:
     from derod.branches.export import auto_table
     from derod.branches.record import open_branches
-    from derod.errors import DerodError
 
+    if args.scene is None:
+        return _complain("FILE is missing: the branch file to export")
+    if args.output is not None:
+        outputs.check_output(args.output, force=args.force, inputs=[args.scene])
     try:
         with open_branches(args.scene) as file:
             text = auto_table(file)
-    except DerodError as error:
+    except RecordError as error:
         return _complain(str(error))
     if args.output is None:
-        sys.stdout.write(text)
+        show(text.removesuffix("\n"))
         return GOOD
-    try:
-        Path(args.output).write_text(text, encoding="utf-8")
-    except OSError as error:
-        return _complain(f"-o = {args.output}: cannot be written: {error}")
+    with outputs.replacing(args.output, force=args.force) as passing:
+        passing.write_text(text, encoding="utf-8")
     return GOOD
 
 
 def _complain(message: str) -> int:
-    print(f"derod: error: {message}", file=sys.stderr)
+    say(f"derod: error: {message}")
     return BAD_INPUT
 
 
@@ -141,7 +195,7 @@ def add_compare_parser(subparsers: Any) -> argparse.ArgumentParser:
     )
     parser.add_argument("--every", type=int, default=1, help="compare every n-th row (1)")
     parser.add_argument("--quiet", action="store_true", help="print the worst of each only")
-    parser.set_defaults(command=run_compare, writes=True)
+    parser.set_defaults(command=run_compare, writes=False)
     return parser
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from dataclasses import fields
 from typing import TYPE_CHECKING, Any
 
@@ -14,13 +13,14 @@ from derod.branches.outcome import NotConverged
 from derod.branches.parameters import Parameters
 from derod.branches.record import BranchFile, open_branches
 from derod.branches.threads import one_blas_thread
-from derod.errors import DerodError, SceneError
+from derod.errors import DerodError, RecordError, SceneError
 
 if TYPE_CHECKING:
     from derod.branches.record import StoredBranch
 
 ON_BRANCH = 0.02
 """A row lies on a branch when t and E_hat (relative, or to 1) and shape (D) are this near to it."""
+NOT_SHOWN = 4  # the exit code of results that cannot be printed
 CANDIDATES = 4
 SCREEN = 0.15
 """Sheets whose interpolated t and E_hat are further away than this (relative) are not looked at."""
@@ -187,25 +187,46 @@ def report(result: np.ndarray, quiet: bool) -> str:
 
 def exceeds(result: np.ndarray, tolerance: float) -> bool:
     """Whether t or E_hat is off by more than ``tolerance``, lengths by more than twice that, or a
-    row by a branch."""
+    row by a branch. What is not a number is off."""
     limits = dict(zip(ERRORS, (tolerance, tolerance, 2 * tolerance, 2 * tolerance), strict=True))
     if np.any(result["branch"] == ""):
         return True
-    return any(np.any(result[name] > limit) for name, limit in limits.items())
+    return any(np.any(~(result[name] <= limit)) for name, limit in limits.items())
 
 
 def compare_files(args: argparse.Namespace) -> int:
-    """Carry out ``derod compare``: 0 within tolerance, 1 beyond it, 2 bad input."""
+    """Carry out ``derod compare``: 0 within tolerance, 1 beyond it, 2 bad input.
+
+    A run without rows, and branches without points, cannot be compared: that is bad input. Both files
+    are held against their checksums.
+    """
     import derod
+    from derod import terminal
 
     if not args.tolerance > 0.0 or args.every < 1:
-        print("derod: error: --tolerance and --every must be positive", file=sys.stderr)
+        terminal.say("derod: error: --tolerance and --every must be positive")
         return 2
     try:
-        with open_branches(args.branches) as file:
-            result = compare(derod.open_run(args.run), file, args.every)
+        with derod.open_run(args.run) as run, open_branches(args.branches) as file:
+            if run.checksummed:
+                run.verify()
+            if not len(run):
+                raise RecordError(f"{args.run}: has no rows that could be compared")
+            if not sum(len(branch) for branch in file.values()):
+                raise RecordError(f"{args.branches}: has no branches to compare with")
+            if not file.complete:
+                terminal.say(
+                    f"derod: {args.branches}: is not complete (derod branch --resume goes on)"
+                )
+            result = compare(run, file, args.every)
     except DerodError as error:
-        print(f"derod: error: {error}", file=sys.stderr)
+        terminal.say(f"derod: error: {error}")
         return 2
-    print(report(result, args.quiet))
-    return 1 if exceeds(result, args.tolerance) else 0
+    code = 1 if exceeds(result, args.tolerance) else 0
+    try:
+        terminal.show(report(result, args.quiet))
+        terminal.finish()
+    except terminal.NotShownError as error:
+        terminal.say(f"derod: error: {error}")
+        return code or NOT_SHOWN
+    return code

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Iterable
 
 from derod.branches.arc import Control
 from derod.branches.branch import Branch
@@ -45,11 +45,14 @@ def compute_branches(
     control: Control | None = None,
     count_modes: bool = True,
     progress: Callable[[str], None] = lambda line: None,
+    keep: Callable[[Branch], None] = lambda branch: None,
+    have: Collection[str] = (),
 ) -> tuple[list[Branch], list[str]]:
     """Trace the named paths of the paper (all of them by default).
 
-    ``progress`` is called with one line a path. Returns the branches in the order found and the
-    complaints: names that were asked for and could not be found, with the reason.
+    ``progress`` is called with one line a path, ``keep`` with each branch as it is done; branches
+    that ``have`` names are traced, but not refined again. Returns the other branches in the order
+    found and the complaints: names that were asked for and could not be found, with the reason.
     Raises ValueError for a name that no path can have.
     """
     asked = list(paths) if paths is not None else list(FAMILIES)
@@ -85,10 +88,11 @@ def compute_branches(
     complaints += catalogue.missed
     branches = []
     for name, path in catalogue.paths.items():
-        if wanted(name, asked):
+        if wanted(name, asked) and name not in have:
             branches.append(catalogue.store(path, count_modes))
+            keep(branches[-1])
     if paths is not None:
-        found = [branch.name for branch in branches]
+        found = [*have, *(branch.name for branch in branches)]
         followed = ", ".join(catalogue.paths)
         complaints += [
             f"{one}: not met by the paths followed ({followed})"

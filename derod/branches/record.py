@@ -4,13 +4,14 @@ from it.
 Layout: attributes ``format``, ``parameters`` (one dataset of the dimensionless numbers),
 ``scene`` (its text); ``branches/NAME`` with ``table`` (one row a point), ``nodes`` and ``eta``
 (the half rod's node states and element lengths of all points, one after another) and
-``bifurcations``. Written to a temporary name and moved into place, so that a file is complete or
-absent.
+``bifurcations``. ``check`` is the checksum of a group, and at the root of all but the groups. Every branch
+is written as it is done, in one step; the attribute ``complete`` is true when all that were asked for are
+there. Files of derod 0.1 (format 1) have neither.
 """
 
 from __future__ import annotations
 
-from dataclasses import asdict, fields
+from dataclasses import fields
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING
@@ -18,6 +19,8 @@ from typing import TYPE_CHECKING
 import h5py
 import numpy as np
 
+from derod import hdf5
+from derod.branches import checking
 from derod.branches.observables import SCALED
 from derod.branches.parameters import Parameters
 from derod.branches.stored import StoredBranch
@@ -26,7 +29,7 @@ from derod.errors import RecordError
 if TYPE_CHECKING:
     from derod.branches.branch import Branch
 
-FORMAT = "derod-branches-1"
+FORMAT = "derod-branches-2"
 POINT = np.dtype(
     [
         ("end_shortening", "f8"),  # delta, D
@@ -63,27 +66,25 @@ BIFURCATION = np.dtype(
 
 
 def write_branches(
-    path: str | Path, parameters: Parameters, branches: list[Branch], scene_text: str = ""
+    path: str | Path,
+    parameters: Parameters,
+    branches: list[Branch],
+    scene_text: str = "",
+    *,
+    overwrite: bool = True,
 ) -> None:
-    """Write branches to a new file (replaced only when the new one is complete)."""
-    target = Path(path)
-    partial = target.with_name(target.name + ".part")
-    try:
-        with h5py.File(partial, "w", libver=("v110", "v110")) as file:
-            file.attrs["format"] = FORMAT
-            file.attrs["units"] = "lengths D, forces K0/D^2, energies K0/D, angles radians"
-            file.attrs["scene"] = scene_text
-            for name, value in asdict(parameters).items():
-                file.attrs[name] = value
-            root = file.create_group("branches", track_order=True)
-            for branch in branches:
-                _write_branch(root.create_group(branch.name), branch)
-        partial.replace(target)
-    finally:
-        partial.unlink(missing_ok=True)
+    """Write branches to a file, complete or not at all. Raises RecordError, OSError."""
+    from derod.branches.writing import BranchWriter, Settings
+
+    settings = Settings()
+    with BranchWriter(
+        path, parameters, scene_text, settings, overwrite=overwrite, reserve=False
+    ) as writer:
+        writer.put(*branches, complete=True)
 
 
-def _write_branch(group: h5py.Group, branch: Branch) -> None:
+def write_branch(group: h5py.Group, branch: Branch) -> None:
+    """Write one branch into its group."""
     table = np.zeros(len(branch.points), POINT)
     for row, point in zip(table, branch.points, strict=True):
         for name, value in point.values.items():
@@ -110,6 +111,7 @@ def _write_branch(group: h5py.Group, branch: Branch) -> None:
     group["bifurcations"] = bifurcations
     group["nodes"] = np.concatenate([p.state.nodes for p in branch.points])
     group["eta"] = np.concatenate([p.state.eta for p in branch.points])
+    group.attrs["check"] = np.uint64(checking.group_check(branch.name, group))
 
 
 class BranchFile:
@@ -118,24 +120,35 @@ class BranchFile:
 
     def __init__(self, path: str | Path) -> None:
         self.path = Path(path)
+        name = str(path)
+        self._gate, self._file = hdf5.open_gate(name, "a branch file")
         try:
-            self._file = h5py.File(self.path, "r")
-        except OSError as error:
-            raise RecordError(f"{path}: cannot be read as HDF5: {error}") from error
-        if self._file.attrs.get("format") != FORMAT:
-            self._file.close()
-            raise RecordError(f"{path}: not a branch file (format {FORMAT} wanted)")
-        attrs = self._file.attrs
-        self.parameters = Parameters(**{f.name: float(attrs[f.name]) for f in fields(Parameters)})
-        self.scene_text = str(attrs["scene"])
-        self.names: list[str] = list(self._file["branches"])
+            with hdf5.checks.judged(name):
+                self._read_head(name)
+        except BaseException:
+            self._gate.shut()
+            raise
+
+    def _read_head(self, path: str) -> None:
+        self.checksummed = checking.format_of(path, self._file) == FORMAT
+        attrs = hdf5.checks.attributes(self._file)
+        numbers = {f.name: checking.number(attrs, f.name) for f in fields(Parameters)}
+        self.parameters = Parameters(**numbers)
+        self.scene_text = str(attrs.get("scene", ""))
+        self.names = checking.branch_names(self._file)
+        self.complete = bool(attrs.get("complete", True))
+        self.settings = str(attrs.get("settings", ""))
+        if self.checksummed and checking.head_check(attrs, self.names) != attrs.get("check"):
+            raise hdf5.checks.DamageError("its head does not fit its checksum")
         self._loaded: dict[str, StoredBranch] = {}
 
     def __getitem__(self, name: str) -> StoredBranch:
         if name not in self.names:
             raise KeyError(f"{self.path}: no branch {name!r}; it has {', '.join(self.names)}")
         if name not in self._loaded:
-            self._loaded[name] = StoredBranch(name, self._file["branches"][name], self.parameters)
+            with hdf5.checks.judged(str(self.path)):
+                group = checking.checked_group(self._file, self._gate, name, self.checksummed)
+                self._loaded[name] = StoredBranch(name, group, self.parameters)
         return self._loaded[name]
 
     def __iter__(self):  # type: ignore[no-untyped-def]
@@ -161,7 +174,7 @@ class BranchFile:
 
     def close(self) -> None:
         """Close the file."""
-        self._file.close()
+        self._gate.shut()
 
     def __enter__(self) -> BranchFile:
         return self
@@ -183,3 +196,19 @@ def open_branches(path: str | Path) -> BranchFile:
     special points. Raises RecordError.
     """
     return BranchFile(path)
+
+
+def is_branch_file(path: str | Path) -> bool:
+    """Whether this is a file of ``derod branch``; False also for what cannot be read at all."""
+    try:
+        gate, file = hdf5.open_gate(str(path), "a branch file")
+    except RecordError:
+        return False
+    try:
+        with hdf5.checks.judged(str(path)):
+            checking.format_of(str(path), file)
+    except RecordError:
+        return False
+    finally:
+        gate.shut()
+    return True

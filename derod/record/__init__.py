@@ -4,7 +4,7 @@ from derod.record.attach import attach_extrapolated
 from derod.record.memory import MemoryRun
 from derod.record.reader import Run, open_run
 from derod.record.run import BaseRun
-from derod.record.writer import RunWriter, resume_copy
+from derod.record.writer import RunWriter, locked, resume_copy
 
 __all__ = [
     "BaseRun",
@@ -12,6 +12,7 @@ __all__ = [
     "Run",
     "RunWriter",
     "attach_extrapolated",
+    "locked",
     "open_run",
     "resume_copy",
 ]

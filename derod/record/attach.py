@@ -9,10 +9,10 @@ import h5py
 import numpy as np
 
 from derod.errors import RecordError
+from derod.hdf5.digest import table_digest
+from derod.lock import Lock
 from derod.outputs import passing_name, publish, sweep, words
 from derod.record import layout
-from derod.record.digest import table_digest
-from derod.record.lock import Lock
 from derod.record.writer import locked
 
 

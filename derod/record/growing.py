@@ -19,11 +19,11 @@ import numpy as np
 
 from derod.errors import RecordError
 from derod.frames import Ending, Event, Frame
+from derod.hdf5.checks import attributes
+from derod.hdf5.digest import committed_digest, frame_digest, head_digest, record_digest
+from derod.lock import Lock
 from derod.record import layout
-from derod.record.checks import attributes
 from derod.record.column import Cell, Column
-from derod.record.digest import committed_digest, frame_digest, head_digest, record_digest
-from derod.record.lock import Lock
 from derod.record.reader import Run
 from derod.record.verify import ARRAYS as VALUES
 from derod.record.verify import HEAD

@@ -9,9 +9,10 @@ import numpy as np
 
 from derod.errors import RecordError
 from derod.frames import ROW, Ending, Outcome
-from derod.record import checks, layout
-from derod.record.digest import committed_digest, record_digest
-from derod.record.gate import Gate
+from derod.hdf5 import checks
+from derod.hdf5.digest import committed_digest, record_digest
+from derod.hdf5.gate import Gate
+from derod.record import layout
 
 
 class WrongKindError(RecordError):

@@ -18,7 +18,7 @@
 ``time`` is the end-shortening (D), which drives the quasi-static push; ``step`` is the increment.
 What lies beyond ``committed`` is unfinished and never read.
 
-Everything is checksummed (``derod.record.digest``): a frame, all its arrays included, in the last field of
+Everything is checksummed (``derod.hdf5.digest``): a frame, all its arrays included, in the last field of
 its row, ``check``; events and the ending likewise; scene, versions and units in the root's attribute
 ``check``. Format 1, of derod 0.1, had none of these and is still read.
 """

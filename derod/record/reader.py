@@ -10,9 +10,10 @@ import numpy as np
 
 from derod.errors import RecordError, SceneError
 from derod.frames import Ending, Event
-from derod.record import checks, layout
-from derod.record.digest import record_digest, table_digest
-from derod.record.gate import Gate, open_gate
+from derod.hdf5 import checks
+from derod.hdf5.digest import record_digest, table_digest
+from derod.hdf5.gate import Gate, open_gate
+from derod.record import layout
 from derod.record.head import Head, WrongKindError
 from derod.record.run import BaseRun
 from derod.record.verify import verify_run

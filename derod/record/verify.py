@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from derod.errors import RecordError
+from derod.hdf5.digest import frame_digest, head_digest
 from derod.record import layout
-from derod.record.digest import frame_digest, head_digest
 
 if TYPE_CHECKING:
     from derod.record.reader import Run

@@ -10,9 +10,9 @@ from pathlib import Path
 
 from derod.errors import RecordError
 from derod.frames import Ending, Event, Frame, Outcome
+from derod.lock import Lock
 from derod.outputs import check_output, passing_name, publish, sweep
 from derod.record.growing import GrowingFile, NoRoomError
-from derod.record.lock import Lock
 from derod.record.reader import Run, open_run
 from derod.record.verify import verify_head
 from derod.scene import Scene

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import argparse
-import sys
 import time
 from typing import TYPE_CHECKING, Any
 
 from derod.errors import DerodError
+from derod.interrupts import acknowledge
+from derod.terminal import finish, say_done, show
 
 if TYPE_CHECKING:
     from derod.frames import Observer
@@ -52,9 +53,15 @@ def make_observers(args: argparse.Namespace, scene: Scene) -> list[Observer]:
         if args.watch_relaxation is not None:
             raise ViewError("--watch-relaxation needs --rerun WHERE")
         return []
+    from derod.outputs import check_output
     from derod.stream.observer import RelaxationWatch, RerunStream
+    from derod.stream.target import parse_target
 
-    stream = RerunStream(args.rerun, args.color)
+    target = parse_target(args.rerun, force=args.force)
+    if target.kind == "file":
+        run = args.resume or args.output
+        check_output(target.place, force=target.force, inputs=[args.scene], others=[run])
+    stream = RerunStream(target, args.color)
     if args.watch_relaxation is None:
         return [stream]
     # the watch goes first: its last steps must be sent before the stream is closed
@@ -96,6 +103,7 @@ def add_view_parser(commands: Any) -> None:
         const="",
         help="show it in a viewer that runs already",
     )
+    parser.add_argument("--force", action="store_true", help="replace FILE.rrd if it exists")
     _add_color(parser)
     parser.set_defaults(command=run_view, writes=False)
 
@@ -107,9 +115,12 @@ def run_view(args: argparse.Namespace) -> int:
     if args.web:
         target = parse_target("web")
     elif args.save is not None:
-        target = parse_target(args.save)
+        from derod.outputs import check_output
+
+        target = parse_target(args.save, force=args.force)
         if target.kind != "file":
             raise ViewError(f"--save = {args.save}: allowed: a name that ends in .rrd")
+        check_output(target.place, force=args.force, inputs=[args.file])
     elif args.connect is not None:
         target = parse_target(f"connect={args.connect}" if args.connect else "connect")
     else:
@@ -123,10 +134,11 @@ def run_view(args: argparse.Namespace) -> int:
         if problem is not None:
             raise ViewError(problem)
         if opened.url is not None and opened.process is not None:
-            print(f"{opened.url}\nserved on this machine only; Ctrl-C ends it", flush=True)
+            show(f"{opened.url}\nserved on this machine only; Ctrl-C ends it")
+            finish()
             wait_for(opened.process)
         elif target.kind == "file":
-            print(f"{args.save}: written; open it with: rerun {args.save}")
+            say_done(f"{args.save}: written; open it with: rerun {args.save}")
     finally:
         if opened.url is not None and opened.process is not None:
             opened.process.terminate()
@@ -140,4 +152,4 @@ def wait_for(process: Any) -> None:
         while process.poll() is None:
             time.sleep(0.2)
     except KeyboardInterrupt:
-        print("", file=sys.stderr)
+        acknowledge()

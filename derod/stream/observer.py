@@ -6,14 +6,15 @@ with it; so it lives in a child (``derod.stream.relay``), and the push only fill
 
 from __future__ import annotations
 
-import sys
 from typing import TYPE_CHECKING, Any
 
 from derod.frames import Ending, Event, Frame
+from derod.outputs import check_output
 from derod.scene import Scene
 from derod.stream.messages import Begin, Step
 from derod.stream.pipe import Pipe
 from derod.stream.target import Target, parse_target
+from derod.terminal import say
 
 if TYPE_CHECKING:
     from derod.relax.loop import Report
@@ -27,10 +28,17 @@ MOST_STEPS = 400
 
 
 class RerunStream:
-    """Streams a push to ``target``: "spawn", "connect[=URL]", "web" or "FILE.rrd"."""
+    """Streams a push to ``target``: "spawn", "connect[=URL]", "web" or "FILE.rrd".
 
-    def __init__(self, target: Target | str, color: str = "curvature") -> None:
-        self.target = parse_target(target) if isinstance(target, str) else target
+    An existing file is replaced only with ``overwrite``. Raises TargetError, OutputError.
+    """
+
+    def __init__(
+        self, target: Target | str, color: str = "curvature", *, overwrite: bool = False
+    ) -> None:
+        self.target = parse_target(target, force=overwrite) if isinstance(target, str) else target
+        if self.target.kind == "file":
+            check_output(self.target.place, force=self.target.force)
         self.color = color
         self.pipe: Pipe | None = None
 
@@ -144,4 +152,4 @@ class RelaxationWatch:
 
 
 def _say(text: str) -> None:
-    print(f"derod: rerun: {text}", file=sys.stderr, flush=True)
+    say(f"derod: rerun: {text}")

@@ -19,9 +19,11 @@ from typing import Any, BinaryIO
 import numpy as np
 
 from derod.frames import ROW, Ending, Event, Frame
+from derod.outputs import OutputError
 from derod.stream.drawing import Batch, Column, draw, draw_shapes
 from derod.stream.messages import Begin, Step
 from derod.stream.target import TargetError
+from derod.terminal import say
 
 STALLED = 30
 TOGETHER = 16  # messages drawn at once
@@ -42,7 +44,7 @@ def main() -> int:
         return DONE
     try:
         return show(begin, source)
-    except TargetError as error:
+    except (TargetError, OutputError) as error:
         return complain(str(error))
     except ImportError as error:
         return complain(f"rerun cannot be imported: {error}")
@@ -56,7 +58,7 @@ def show(begin: Begin, source: BinaryIO) -> int:
     opened = open_recording(begin.target, name, heartbeat)
     if opened.url is not None and opened.process is not None:
         words = f"web viewer: {opened.url} (it stays until: kill {opened.process.pid})"
-        print(f"derod: {words}", file=sys.stderr, flush=True)
+        say(f"derod: {words}")
     from derod.stream.stage import Stage
 
     stage = Stage(opened.recording, begin.scene, begin.color, live=True)
@@ -158,11 +160,10 @@ def alarm(seconds: int) -> None:
 
 def complain(text: str) -> int:
     """Say why nothing is shown."""
-    print(f"derod: rerun: {text}; the run goes on unseen", file=sys.stderr, flush=True)
+    say(f"derod: rerun: {text}; the run goes on unseen")
     return FAILED
 
 
 if __name__ == "__main__":
     code = main()
-    sys.stderr.flush()
     os._exit(code)  # rerun's own clean-up may wait for a viewer for ever

@@ -140,27 +140,34 @@ def _log_bifurcations(recording: Any, name: str, branch: Any) -> None:
 
 def replay_file(path: str, target: Target, color: str) -> Opened:
     """Replay a run file or a branch file into ``target``. Raises RecordError, TargetError."""
-    from derod.stream.viewers import open_recording
+    from derod.stream.viewers import drop_recording, open_recording
 
+    name = Path(path).name
     if is_branch_file(path):
         from derod import open_branches
 
         with open_branches(path) as branches:
-            opened = open_recording(target, Path(path).name)
-            replay_branches(opened.recording, branches)
+            branches.values()  # read, and refused, before a viewer is started
+            opened = open_recording(target, name)
+            try:
+                replay_branches(opened.recording, branches)
+            except BaseException:
+                drop_recording(opened.recording)
+                raise
             return opened
     with open_run(path) as run:
-        opened = open_recording(target, Path(path).name)
-        replay_run(opened.recording, run, color)
+        _ = run.scene, run.table, run.events
+        opened = open_recording(target, name)
+        try:
+            replay_run(opened.recording, run, color)
+        except BaseException:
+            drop_recording(opened.recording)
+            raise
         return opened
 
 
 def is_branch_file(path: str) -> bool:
     """Whether this is a file of ``derod branch``; what cannot be read is left to the run reader."""
-    import h5py
+    from derod.branches.record import is_branch_file
 
-    try:
-        with h5py.File(path, "r") as file:
-            return str(file.attrs.get("format", "")).startswith("derod-branches")
-    except OSError:
-        return False
+    return is_branch_file(path)

@@ -23,6 +23,7 @@ class Target:
 
     kind: str
     place: str = ""  # the URL, or the file
+    force: bool = False  # an existing file may be replaced
 
     @property
     def address(self) -> tuple[str, int]:
@@ -41,8 +42,11 @@ def proxy_url(host: str, port: int) -> str:
     return f"rerun+http://{host}:{port}/proxy"
 
 
-def parse_target(text: str) -> Target:
-    """Read ``spawn``, ``connect[=URL]``, ``web`` or ``FILE.rrd``. Raises TargetError."""
+def parse_target(text: str, *, force: bool = False) -> Target:
+    """Read ``spawn``, ``connect[=URL]``, ``web`` or ``FILE.rrd``; ``force`` lets the file be replaced.
+
+    Raises TargetError.
+    """
     kind, _, place = text.partition("=")
     if text in ("spawn", "web"):
         return Target(text)
@@ -57,5 +61,5 @@ def parse_target(text: str) -> Target:
         folder = Path(text).parent
         if not folder.is_dir():
             raise TargetError(f"{text}: no such folder; allowed: a file in an existing folder")
-        return Target("file", text)
+        return Target("file", text, force)
     raise TargetError(f"rerun = {text!r}: nowhere to stream to; allowed: {ALLOWED}")

@@ -12,17 +12,21 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
+from derod.outputs import OutputError, replacing
 from derod.stream.target import PORT, WEB_PORT, Target, TargetError, proxy_url
 
 HOST = "127.0.0.1"
 VIEWER_MEMORY = "1GiB"
 SERVER_MEMORY = "512MiB"
 START_UP = 20.0  # s that a viewer of our own may take to listen
+_files: dict[Any, ExitStack] = {}
+"""The files under way, by their recordings."""
 
 
 @dataclass
@@ -42,7 +46,7 @@ def open_recording(
 ) -> Opened:
     """A rerun recording that goes to ``target``. ``waiting`` is called now and then meanwhile.
 
-    Raises TargetError where nobody answers or the file cannot be written.
+    Raises TargetError where nobody answers, OutputError where the file cannot be written.
     """
     import rerun as rr
 
@@ -51,12 +55,10 @@ def open_recording(
     recording.set_log_tick_enabled(False)
     opened = Opened(recording)
     if target.kind == "file":
-        try:
-            with Path(target.place).open("wb"):
-                pass
-        except OSError as error:
-            raise TargetError(f"{target.place}: cannot be written: {error.strerror}") from error
-        recording.save(target.place)
+        stack = ExitStack()
+        passing = stack.enter_context(replacing(target.place, force=target.force))
+        recording.save(str(passing))
+        _files[recording] = stack
     elif target.kind == "connect":
         host, port = target.address
         if not listens(host, port):
@@ -144,10 +146,30 @@ def start_viewer(
 
 
 def close_recording(recording: Any, patience: float) -> str | None:
-    """Send what is left and let go; returns what went wrong, or None."""
+    """Send what is left and let go; returns what went wrong, or None.
+
+    A recording to a file gets the file's name now, when it is whole.
+    """
+    file = _files.pop(recording, None)
     try:
         recording.flush(timeout_sec=patience)
     except (RuntimeError, OSError, ValueError) as error:
+        if file is not None:
+            file.__exit__(type(error), error, None)
         return f"not all reached the viewer: {error}"
     recording.disconnect()
+    try:
+        if file is not None:
+            file.close()
+    except OutputError as error:
+        return str(error)
     return None
+
+
+def drop_recording(recording: Any) -> None:
+    """Let go of a recording that is not finished; a file of it is removed."""
+    file = _files.pop(recording, None)
+    if file is not None:
+        stop = ConnectionAbortedError("not finished")
+        with suppress(ConnectionAbortedError, OutputError):
+            file.__exit__(type(stop), stop, None)

@@ -144,23 +144,38 @@ def test_a_push_whose_folder_vanishes(tmp_path: Path) -> None:
 
 
 @pytest.mark.usefixtures("synthetic")
-def test_an_observer_that_raises_leaves_a_readable_file(tmp_path: Path) -> None:
+def test_an_observer_that_raises_is_left_out(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     path = tmp_path / "run.h5"
+    told: list[str] = []
 
     class Broken:
         def start(self, *_: object) -> None: ...
         def event(self, _: object) -> None: ...
-        def finish(self, _: object) -> None: ...
+
+        def finish(self, _: object) -> None:
+            told.append("finish")
 
         def frame(self, frame: Frame) -> None:
+            told.append("frame")
             if frame.row["increment"] == 3:
                 raise ZeroDivisionError("on purpose")
 
-    with pytest.raises(ZeroDivisionError):
-        push(small_scene(), path, [Broken()])
-    with open_run(path) as run:
-        assert len(run) == 4 and run.outcome is Outcome.INTERRUPTED
-        assert run.ending is not None and "ZeroDivisionError: on purpose" in run.ending.message
+    class Meddler(Broken):
+        def frame(self, frame: Frame) -> None:
+            frame.row["end_tension"] = -1.0
+            frame.positions[:] = 0.0
+
+    push(small_scene(), path, [Broken(), Meddler()])
+    with open_run(path, verify=True) as run:
+        assert len(run) == 40 and run.outcome is Outcome.COMPLETED
+        assert all(is_frame(run, i) for i in range(40))
+    assert told == ["frame"] * 4 + ["finish"] * 2
+    errors = capsys.readouterr().err.splitlines()
+    assert len(errors) == 2
+    assert "Broken.frame failed with ZeroDivisionError: on purpose; the push goes on" in errors[1]
+    assert "Meddler.frame failed with ValueError" in errors[0]
 
 
 @pytest.fixture

@@ -13,7 +13,8 @@ import pytest
 
 from derod.errors import RecordError
 from derod.frames import ROW
-from derod.record import RunWriter, attach_extrapolated, layout, open_run, resume_copy, superblock
+from derod.hdf5 import superblock
+from derod.record import RunWriter, attach_extrapolated, layout, open_run, resume_copy
 from tests.synthetic import drive, is_frame, make_event, make_frame, small_scene
 
 COUNT = 40  # increments of small_scene

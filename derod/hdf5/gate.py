@@ -20,7 +20,7 @@ from typing import Any
 import h5py
 
 from derod.errors import RecordError
-from derod.record import superblock
+from derod.hdf5 import superblock
 
 PATIENCE = 3.0  # s that opening, or reading one thing, may take
 SLOWEST = 20e6  # bytes/s expected of a disk, beyond that

@@ -73,6 +73,13 @@ class Lock:
             os.close(descriptor)
             raise
 
+    def is_at(self, path: Path) -> bool:
+        """Whether ``path`` leads to the file that is locked."""
+        try:
+            return os.path.samestat(os.fstat(self.descriptor), path.stat())
+        except OSError:
+            return False
+
     def release(self) -> None:
         """Let go; a second call does nothing."""
         descriptor, self.descriptor = self.descriptor, -1

@@ -1,4 +1,4 @@
-"""The checksums of a run file: 64 bits of BLAKE2b over what a reader will be given.
+"""The checksums of run and branch files: 64 bits of BLAKE2b over what a reader will be given.
 
 They are ours, not HDF5's: its checksums cover its own blocks, and say nothing of a frame that was never
 written, was overwritten by another, or is looked for in the wrong place.

@@ -15,7 +15,7 @@ import h5py
 import numpy as np
 
 from derod.errors import RecordError, shown_name
-from derod.record.gate import Gate, reason
+from derod.hdf5.gate import Gate, reason
 
 MOST_CHUNK = 2**26  # bytes; ours are one frame, or 1024 numbers
 MOST_ATTRIBUTE = 2**16  # bytes
