@@ -11,13 +11,16 @@ process that wants OpenBLAS with one thread has to say so before numpy is import
 
 from __future__ import annotations
 
-import getpass
+import atexit
+import contextlib
 import hashlib
 import os
 import platform
 import shutil
+import stat
 import sys
 import tempfile
+from collections.abc import Iterator
 from importlib import metadata
 from pathlib import Path
 
@@ -37,6 +40,9 @@ def point_numba_at_own_cache() -> None:
         os.environ[VARIABLE] = os.environ[OURS] = str(folder)
     if "numba" in sys.modules:
         sys.modules["numba"].config.CACHE_DIR = str(folder)
+    from derod._mending import mend_caches
+
+    mend_caches(folder)
 
 
 def source_hash(package: Path) -> str:
@@ -55,18 +61,61 @@ def source_hash(package: Path) -> str:
 
 
 def _made_folder(name: str) -> Path:
-    """The cache folder ``name``, made where we may write; those long unused are removed."""
-    home = user_cache_folder()
-    folder = home / "derod" / name
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        os.utime(folder)
-    except OSError:  # a read-only home
-        folder = Path(tempfile.gettempdir()) / f"derod-{getpass.getuser()}" / name
-        folder.mkdir(parents=True, exist_ok=True)
-        os.utime(folder)
-    prune(folder.parent)
-    return folder
+    """The cache folder ``name``, made where only we may write; those long unused are removed.
+
+    What lies in it is executed, so it must be nobody else's: see ``is_private``. The first of the user's
+    cache folder, a folder of the user's in the temporary folder, and a fresh one that will do.
+    """
+    for home in _homes():
+        try:
+            parent = home / "derod"
+            home.mkdir(parents=True, exist_ok=True)
+            if _made_private(parent) and _made_private(parent / name):
+                os.utime(parent / name)
+                prune(parent)
+                return parent / name
+        except OSError:  # read-only, or no folder: the next one
+            continue
+    fresh = Path(tempfile.mkdtemp(prefix="derod-"))  # mode 0700, a name nobody could know
+    atexit.register(shutil.rmtree, fresh, ignore_errors=True)
+    return fresh
+
+
+def _homes() -> Iterator[Path]:
+    """Where the folder may lie, the best place first."""
+    with contextlib.suppress(RuntimeError, KeyError):  # neither HOME nor an entry in passwd
+        yield user_cache_folder()
+    user = os.getuid() if hasattr(os, "getuid") else "user"
+    yield Path(tempfile.gettempdir()) / f"derod-{user}"
+
+
+def _made_private(folder: Path) -> bool:
+    """Make ``folder``, or find it, as one that only we may write into."""
+    with contextlib.suppress(FileExistsError):
+        folder.mkdir(mode=0o700)
+    return is_private(folder)
+
+
+def is_private(folder: Path) -> bool:
+    """Whether only we can have put something into ``folder``.
+
+    It must be a real folder, no link, owned by us, written by nobody else; one that others may only
+    read is closed to them. So must those above it be, or belong to root, or be like /tmp, where nobody
+    may rename what is another's.
+    """
+    if not hasattr(os, "getuid"):
+        return True  # Windows: the user's profile is the user's
+    here = folder.lstat()
+    if not stat.S_ISDIR(here.st_mode) or here.st_uid != os.geteuid() or here.st_mode & 0o022:
+        return False
+    if here.st_mode & 0o077:
+        folder.chmod(0o700)
+    for parent in Path(os.path.realpath(folder)).parents:
+        above = parent.lstat()
+        shared = above.st_mode & 0o022 and not above.st_mode & stat.S_ISVTX
+        if above.st_uid not in (0, os.geteuid()) or shared:
+            return False
+    return True
 
 
 def prune(parent: Path) -> None:
@@ -86,7 +135,8 @@ def _last_used(folder: Path) -> float:
 def user_cache_folder() -> Path:
     """Where this system keeps caches of the user."""
     if sys.platform == "win32":
-        return Path(os.environ.get("LOCALAPPDATA", Path.home() / "AppData" / "Local"))
+        return Path(os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local")
     if sys.platform == "darwin":
         return Path.home() / "Library" / "Caches"
-    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    chosen = os.environ.get("XDG_CACHE_HOME", "")
+    return Path(chosen) if os.path.isabs(chosen) else Path.home() / ".cache"  # noqa: PTH117

@@ -12,6 +12,8 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from derod.branches import gauss as gauss  # first: it says where kernels are kept
+
 GROUP = 6
 """Most elements written as one by plain transfer."""
 GROWTH = 100.0

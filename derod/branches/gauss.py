@@ -4,6 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from derod import _cache
+
+_cache.point_numba_at_own_cache()  # all kernels of the branches are imported after this
+
 STAGES = 5
 """Collocation points an element; nodal values converge with order 2 * STAGES."""
 
