@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Sequence
+from itertools import pairwise
 
 from derod import interrupts
 from derod.errors import RecordError, SceneError
@@ -23,6 +24,7 @@ from derod.record import (
     resume_copy,
 )
 from derod.scene import Scene
+from derod.scene.plan import check_plan
 from derod.scene.reading import build_scene, plain_tables
 
 
@@ -34,6 +36,7 @@ def push(
     resume: str | os.PathLike[str] | None = None,
     overwrite: bool = False,
     extrapolate: bool = False,
+    yes_really: bool = False,
 ) -> BaseRun:
     """Push the rod of ``scene`` and return the run, open for reading.
 
@@ -45,6 +48,9 @@ def push(
     With ``extrapolate`` the push is done once more on half the edges, landing on every row of the first,
     and ``run.extrapolated`` holds better values and estimated errors (``derod.extrapolate``).
 
+    A push that plans more rows, or a larger file, than anybody can mean is refused
+    (``derod.scene.plan``) unless ``yes_really``.
+
     However the push ends, also by Ctrl-C, the run says so in ``run.ending``. Raises SceneError for
     a scene that is not allowed and RecordError when the file cannot be written or read.
     """
@@ -53,15 +59,17 @@ def push(
             scene.replace(
                 {"mesh.edges": scene.mesh.edges // 2}
             )  # refused now rather than afterwards
-        run = push(scene, path, observers, resume=resume, overwrite=overwrite)
+        run = push(
+            scene, path, observers, resume=resume, overwrite=overwrite, yes_really=yes_really
+        )
         return _extrapolated(run)
     if resume is not None:
         if path is not None:
             raise RecordError(f"{os.fspath(path)}: a resumed run goes on in its own file")
-        return _resume(scene, resume, observers)
+        return _resume(scene, resume, observers, yes_really)
     if scene is None:
         raise SceneError("a push that resumes no run needs a scene")
-    scene = build_scene(plain_tables(scene), scene.path)  # it may have been put together by hand
+    scene = _checked(scene, yes_really)
     if path is None:
         memory = MemoryRun()
         _drive(scene, memory, observers, None)
@@ -70,12 +78,24 @@ def push(
     return open_run(path)
 
 
+def _checked(scene: Scene, yes_really: bool) -> Scene:
+    """The scene, checked again, since it may have been put together by hand. Raises SceneError."""
+    if not isinstance(scene, Scene):
+        raise SceneError("is no scene (derod.load_scene reads one)", value=scene)
+    scene = build_scene(plain_tables(scene), scene.path)
+    if not yes_really:
+        check_plan(scene)
+    return scene
+
+
 def _resume(
-    scene: Scene | None, path: str | os.PathLike[str], observers: Sequence[Observer]
+    scene: Scene | None,
+    path: str | os.PathLike[str],
+    observers: Sequence[Observer],
+    yes_really: bool,
 ) -> Run:
     with locked(path) as lock, open_run(path) as old:
-        scene = old.scene if scene is None else scene
-        scene = build_scene(plain_tables(scene), scene.path)
+        scene = _checked(old.scene if scene is None else scene, yes_really)
         if old.outcome is Outcome.COMPLETED and scene == old.scene:
             return open_run(path)
         check_continues(old, scene)
@@ -92,7 +112,7 @@ def _extrapolated(run: BaseRun) -> BaseRun:
     """
     if run.outcome in (None, Outcome.INTERRUPTED) or not len(run):
         return run
-    coarse = push(coarser(run))
+    coarse = push(coarser(run), yes_really=True)
     if coarse.outcome is Outcome.INTERRUPTED:
         return run
     table = extrapolate_runs(coarse, run)
@@ -128,6 +148,16 @@ def check_continues(old: BaseRun, scene: Scene) -> None:
             value=scene.push.stop[leg],
             allowed=f"{'at least' if onward > 0.0 else 'at most'} {reached:.6g}, where the run is",
         )
+    ahead = list(pairwise((reached, *scene.push.stop[leg:])))
+    for landing in sorted(set(scene.push.at) - set(before.push.at)):
+        if not any(min(a, b) <= landing <= max(a, b) and landing != reached for a, b in ahead):
+            raise SceneError(
+                "has been passed",
+                file=scene.path,
+                key="push.at",
+                value=landing,
+                allowed=f"landings ahead of {reached:.6g}, where the run is",
+            )
 
 
 class _FirstToHear:

@@ -132,6 +132,7 @@ def _add_push(commands: Any) -> None:
         action="store_true",
         help="push once more on half the edges: better values, and estimated errors",
     )
+    _add_yes_really(parser)
     parser.add_argument("--quiet", action="store_true", help="show nothing but errors")
     for module in PUSH_WATCHERS:
         import_module(module).add_push_options(parser)
@@ -141,7 +142,14 @@ def _add_push(commands: Any) -> None:
 def _add_check(commands: Any) -> None:
     parser = commands.add_parser("check", help="check a scene and print its dimensionless groups")
     parser.add_argument("scene", metavar="SCENE", help="scene file (TOML)")
+    _add_yes_really(parser)
     parser.set_defaults(command=_run("check"), writes=False)
+
+
+def _add_yes_really(parser: Any) -> None:
+    parser.add_argument(
+        "--yes-really", action="store_true", help="also what plans 100 000 rows, or 20 GB, and more"
+    )
 
 
 def _add_info(commands: Any) -> None:

@@ -10,6 +10,7 @@ from derod.errors import RecordError
 from derod.frames import Observer, Outcome
 from derod.outputs import check_output
 from derod.scene import Scene, dimensionless_groups, load_scene
+from derod.scene.plan import check_plan, planned
 from derod.terminal import say, say_done, show
 
 EXIT_CODES = {Outcome.COMPLETED: exits.DONE}
@@ -36,6 +37,7 @@ def push(args: argparse.Namespace) -> int:
         resume=args.resume,
         overwrite=args.force,
         extrapolate=args.extrapolate,
+        yes_really=args.yes_really,
     ) as run:
         ending, count, extrapolated = run.ending, len(run), run.extrapolated is not None
     if ending is None:
@@ -59,9 +61,14 @@ def push(args: argparse.Namespace) -> int:
 def check(args: argparse.Namespace) -> int:
     """``derod check``."""
     scene = load_scene(args.scene)
+    if not args.yes_really:
+        check_plan(scene)
     show(f"{args.scene}: a scene that can be pushed")
     for group in dimensionless_groups(scene):
         show(f"  {group.symbol:18}{group.value:<14.6g}{group.meaning}")
+    plan = planned(scene)
+    show(f"  {'rows':18}{plan.rows:<14.6g}that a push records, at least")
+    show(f"  {'file/MB':18}{plan.size / 1e6:<14.6g}that its file takes, at least")
     return exits.DONE
 
 
@@ -98,11 +105,14 @@ def _scene_to_push(args: argparse.Namespace) -> Scene:
             )
         scene = _recorded_scene(args.resume).replace(given)
         check_output(args.resume, force=True)
-        return scene
-    if not args.scene or not args.output:
-        raise exits.UsageError("push needs SCENE and -o FILE, or --resume FILE")
-    check_output(args.output, force=args.force, inputs=[args.scene])
-    return load_scene(args.scene).replace(given)
+    else:
+        if not args.scene or not args.output:
+            raise exits.UsageError("push needs SCENE and -o FILE, or --resume FILE")
+        check_output(args.output, force=args.force, inputs=[args.scene])
+        scene = load_scene(args.scene).replace(given)
+    if not args.yes_really:
+        check_plan(scene)
+    return scene
 
 
 def _recorded_scene(path: str) -> Scene:

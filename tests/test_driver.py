@@ -9,6 +9,7 @@ import pytest
 
 import derod
 from derod.driver import next_target
+from derod.errors import SceneError
 from derod.frames import Outcome
 from derod.record import BaseRun
 from tests.scenes import coil
@@ -163,3 +164,13 @@ def test_targets_never_leave_a_sliver() -> None:
     assert next_target(0.0, 1.0, 0.6) == 0.5
     assert next_target(0.0, 1.0, 0.2) == 0.2
     assert next_target(1.0, 0.0, 0.2) == 0.8
+
+
+def test_landings_already_passed_are_refused_on_resume(tmp_path: Path) -> None:
+    path = tmp_path / "run.h5"
+    derod.push(coil(stop='["0.03 pi", "0.01 pi"]'), path).close()
+    longer = coil(stop='["0.03 pi", "0.005 pi"]', at='["0.007 pi"]')
+    with pytest.raises(SceneError, match=r"push\.at = .* has been passed"):
+        derod.push(longer.replace({"push.at": ["0.02 pi"]}), resume=path)
+    with derod.push(longer, resume=path) as run:
+        assert run.table["end_shortening"][run.table["landing"]][-2] == longer.push.at[0]

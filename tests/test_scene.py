@@ -7,10 +7,12 @@ import math
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
+import derod
 from derod.errors import SceneError
 from derod.scene import (
     Scene,
@@ -20,9 +22,11 @@ from derod.scene import (
     load_scene,
     parse_scene,
 )
+from derod.scene.plan import ROW_BYTES, check_plan, planned
 from derod.scene.quantities import read_quantity, write_quantity
 from derod.scene.reading import plain_tables
 from derod.scene.rules import KEYS, QUANTITIES
+from tests.scenes import coil
 
 RUNS = sorted((Path(__file__).parent.parent / "runs").glob("*.toml"))
 ALL_KEYS = [(table, name) for table, keys in KEYS.items() for name in keys]
@@ -476,3 +480,77 @@ def test_replaced_keys_are_checked() -> None:
     for key in ("rod.lenght", "nonsense.edges", "edges"):
         with pytest.raises(SceneError, match="is unknown"):
             build_scene(BASE).replace({key: 1})
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"push.max_step": 1e-300}, "lost in rounding"),
+        ({"push.max_step": 1e-16}, "lost in rounding"),
+        ({"drop.capillary_force": 1e-300}, "allowed: a number from 1e-12 to 1e9"),
+    ],
+)
+def test_values_that_rounding_eats_are_refused(change: dict[str, float], words: str) -> None:
+    with pytest.raises(SceneError, match=words):
+        coil().replace(change)
+
+
+def test_plans_that_nobody_can_mean() -> None:
+    scene = coil().replace({"push.max_step": 1e-6})
+    plan = planned(scene)
+    assert plan.rows == 1 + int((scene.push.stop[0] - scene.push.start) / 1e-6)
+    assert plan.size == plan.rows * (ROW_BYTES + 8 * (5 * 60 + 7))
+    with pytest.raises(SceneError, match=r"plans at least 939337 rows, 2.59 GB.*--yes-really"):
+        check_plan(scene)
+    with pytest.raises(SceneError, match="yes_really"):
+        derod.push(scene)
+    check_plan(coil())
+
+
+def test_replace_takes_numpys_values_and_its_own() -> None:
+    scene = coil(stop='["0.3 pi", "0.1 pi"]', at='["0.2 pi"]')
+    changed = scene.replace(
+        {
+            "mesh.edges": np.int32(64),
+            "push.stop": np.array([0.5, 0.25]),
+            "push.at": (np.float64(0.3),),
+            "model.drop": np.bool_(True),
+            "clamps": scene.clamps,
+        }
+    )
+    assert changed.mesh.edges == 64 and type(changed.mesh.edges) is int
+    assert changed.push.stop == (0.5, 0.25) and changed.push.at == (0.3,)
+    assert scene.replace({"push.stop": scene.push.stop, "rod": scene.rod}) == scene
+    for wrong in ({"push": 3}, {1: 2}, {"mesh.edges": np.array([3, 4])}, {"drop": object()}, []):
+        with pytest.raises(SceneError) as caught:
+            scene.replace(wrong)  # type: ignore[arg-type]
+        assert "\n" not in str(caught.value)
+
+
+def test_a_byte_order_mark_is_accepted(tmp_path: Path) -> None:
+    path = tmp_path / "scene.toml"
+    path.write_text("\ufeff" + coil().text, encoding="utf-8")
+    assert derod.load_scene(path) == coil()
+
+
+def test_nothing_that_steers_a_terminal_is_printed(tmp_path: Path) -> None:
+    path = tmp_path / "\x1b]0;owned\x07.toml"
+    for text in (
+        '"\x7f\u202e' + "k" * 5000 + '" = 1',
+        "[drop]\n'a\\u001b[31m' = 2\n",
+        '[relax]\nmethod = "\\u001b[2J\\u202e"\n',
+        "\x1b[2J",
+    ):
+        path.write_text(text, encoding="utf-8")
+        with pytest.raises(SceneError) as caught:
+            derod.load_scene(path)
+        assert str(caught.value).isprintable() and len(str(caught.value)) <= 1000
+
+
+def test_a_scene_that_is_no_scene_file(tmp_path: Path) -> None:
+    path = tmp_path / "big.toml"
+    path.write_text("# " + "x" * 300_000)
+    with pytest.raises(SceneError, match="too long"):
+        derod.load_scene(path)
+    with pytest.raises(SceneError, match="no name of a file"):
+        derod.load_scene(7)  # type: ignore[arg-type]

@@ -27,6 +27,9 @@ from derod.scene.tables import (
     Table,
 )
 
+MOST_BYTES = 2**18
+"""Of a scene file."""
+BYTE_ORDER_MARK = "\ufeff"
 TABLES: dict[str, type[Table]] = {
     "rod": Rod,
     "drop": Drop,
@@ -41,9 +44,18 @@ TABLES: dict[str, type[Table]] = {
 
 def load_scene(path: str | os.PathLike[str]) -> Scene:
     """The scene of a TOML file; raises SceneError if it cannot be read or is not allowed."""
-    name = os.fspath(path)
     try:
-        text = Path(name).read_text(encoding="utf-8")
+        name = os.fsdecode(os.fspath(path))
+    except TypeError as error:
+        raise SceneError("is no name of a file", value=path) from error
+    try:
+        with Path(name).open("rb") as file:
+            data = file.read(MOST_BYTES + 1)
+        if len(data) > MOST_BYTES:
+            raise SceneError(
+                f"cannot be read: it is too long; allowed: {MOST_BYTES} bytes", file=name
+            )
+        text = data.decode("utf-8")
     except OSError as error:
         raise SceneError(f"cannot be read: {error.strerror or error}", file=name) from error
     except ValueError as error:  # not UTF-8, or a null byte in the name
@@ -54,8 +66,10 @@ def load_scene(path: str | os.PathLike[str]) -> Scene:
 def parse_scene(text: str, path: str | os.PathLike[str] | None = None) -> Scene:
     """The scene written in ``text``; ``path`` is only named in errors. Raises SceneError."""
     name = None if path is None else os.fspath(path)
+    if not isinstance(text, str):
+        raise SceneError("is no text", file=name, value=text)
     try:
-        data = tomllib.loads(text)
+        data = tomllib.loads(text.removeprefix(BYTE_ORDER_MARK))
     except (ValueError, RecursionError) as error:
         reason = str(error) or type(error).__name__
         raise SceneError(f"is not valid TOML: {reason}", file=name) from error
@@ -64,6 +78,8 @@ def parse_scene(text: str, path: str | os.PathLike[str] | None = None) -> Scene:
 
 def build_scene(data: Mapping[str, Any], path: str | None = None) -> Scene:
     """The scene of nested tables of plain values, as TOML gives them. Raises SceneError."""
+    if not isinstance(data, Mapping):
+        raise SceneError("is no table of tables", file=path, value=data)
     for name, value in data.items():
         if name not in KEYS:
             raise _unknown_table(name, path)
@@ -86,11 +102,20 @@ def build_scene(data: Mapping[str, Any], path: str | None = None) -> Scene:
 
 def replace_keys(scene: Scene, changes: Mapping[str, Any]) -> Scene:
     """See ``Scene.replace``."""
-    data = plain_tables(scene)
+    data: dict[str, Any] = dict(plain_tables(scene))
+    if not isinstance(changes, Mapping):
+        raise SceneError("is no table of changes", file=scene.path, value=changes)
     for dotted, value in changes.items():
-        table, _, name = dotted.partition(".")
-        data.setdefault(table, {})[name] = value
-    if "push.stop" in changes and "push.at" not in changes:
+        if not isinstance(dotted, str):
+            raise SceneError("is no name of a key", file=scene.path, value=dotted)
+        table, dot, name = dotted.partition(".")
+        if dot and isinstance(data.setdefault(table, {}), dict):
+            data[table][name] = plain(value)
+        elif not dot and value is None:
+            data.pop(table, None)
+        else:
+            data[table] = plain(value)
+    if "push.stop" in changes and "push.at" not in changes and "push" not in changes:
         landings = data["push"].pop("at")
         points = build_scene(data, scene.path).push
         low, high = min(points.start, *points.stop), max(points.start, *points.stop)
@@ -100,14 +125,20 @@ def replace_keys(scene: Scene, changes: Mapping[str, Any]) -> Scene:
 
 def plain_tables(scene: Scene) -> dict[str, dict[str, Any]]:
     """The scene as nested tables of plain values; ``build_scene`` gives an equal scene."""
-    return {
-        table: {
-            name: list(value) if isinstance(value, tuple) else value
-            for name in struct.__struct_fields__
-            for value in [getattr(struct, name)]
-        }
-        for table, struct in scene.tables().items()
-    }
+    return {table: plain(struct) for table, struct in scene.tables().items()}
+
+
+def plain(value: Any) -> Any:
+    """``value`` as TOML would give it: tables, lists and numbers of numpy's and ours made plain."""
+    if isinstance(value, Table):
+        return {name: plain(getattr(value, name)) for name in value.__struct_fields__}
+    if isinstance(value, Mapping):
+        return {name: plain(item) for name, item in value.items()}
+    if isinstance(value, tuple | list):
+        return [plain(item) for item in value]
+    if type(value).__module__ == "numpy" and hasattr(value, "tolist"):
+        return plain(value.tolist())
+    return value
 
 
 def _read_table(table: str, data: Mapping[str, Any], path: str | None) -> Table:

@@ -8,11 +8,13 @@ from itertools import pairwise
 from typing import Any, NoReturn
 
 from derod.errors import SceneError
+from derod.scene.plan import LEAST_STEP
 from derod.scene.quantities import read_integer, read_number, read_quantity, write_quantity
 from derod.scene.tables import Scene
 
 LARGEST = 1e6  # D; beyond it sums of energies have no digits left
 STRONGEST = 1e9  # of stiffnesses and forces: any unit K0 will do
+WEAKEST = 1e-12
 CLAMP_CLEARANCE = 0.9
 METHODS = ("implicit", "elliptic", "fire", "kinetic")
 
@@ -65,18 +67,18 @@ KEYS: dict[str, dict[str, Key]] = {
             lambda x: 0.0 < x <= LARGEST,
             "a length above 1, the diameter of the drop, and up to 1e6",
         ),
-        "bending": Key(_bending, lambda x: 0.0 < x <= STRONGEST, "a number above 0 and up to 1e9"),
+        "bending": Key(_bending, lambda x: WEAKEST <= x <= STRONGEST, "a number from 1e-12 to 1e9"),
         "twisting": Key(read_number, lambda x: 0.0 <= x <= STRONGEST, "a number from 0 to 1e9"),
     },
     "drop": {
         "capillary_force": Key(
-            read_number, lambda x: 0.0 < x <= STRONGEST, "a number above 0 and up to 1e9"
+            read_number, lambda x: WEAKEST <= x <= STRONGEST, "a number from 1e-12 to 1e9"
         ),
         "wall_strength": Key(
-            read_number, lambda x: 0.0 < x <= STRONGEST, "a number above 0 and up to 1e9"
+            read_number, lambda x: WEAKEST <= x <= STRONGEST, "a number from 1e-12 to 1e9"
         ),
         "wall_softness": Key(
-            read_quantity, lambda x: 0.0 < x <= 1.0, "a number above 0 and up to 1"
+            read_quantity, lambda x: WEAKEST <= x <= 1.0, "a number from 1e-12 to 1"
         ),
         "weight": Key(_weight, _any, "0"),
     },
@@ -166,12 +168,17 @@ def check_together(scene: Scene) -> None:
         if value >= limit:
             _fail(scene, key, value, "is a push past what the rod can give", within)
     _check_turns(scene, [value for _, value in legs])
+    least = LEAST_STEP * max(1.0, *(value for _, value in legs))
+    if push.max_step < least:
+        _fail(
+            scene, "push.max_step", push.max_step, "is lost in rounding", f"{least:.3g} and above"
+        )
     low, high = covered_range(scene)
     for i, value in enumerate(push.at):
         if not low <= value <= high:
             reach = f"from {write_quantity(low)} to {write_quantity(high)}, what the push covers"
             _fail(scene, f"push.at[{i}]", value, "is never reached", reach)
-        if value in push.at[:i]:
+        if i and value == push.at[i - 1]:  # they are in order
             _fail(scene, f"push.at[{i}]", value, "is given twice", "each landing once")
     if scene.model.dimension == 2 and scene.clamps.end_rotation != 0.0:
         _fail(
