@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from importlib import import_module
 from typing import Any, NoReturn
 
@@ -35,35 +35,43 @@ Each has ``add_push_options(parser)`` and ``make_observers(args, scene) -> list[
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and return its exit code (``exits.MEANINGS``)."""
+
+    def work() -> int:
+        args = build_parser().parse_args(arguments)
+        try:
+            return int(args.command(args))
+        except RecordError as error:
+            if isinstance(error, RefusedError) or not args.writes:
+                raise
+            terminal.say(f"derod: {error}")
+            return NOT_REACHED
+
+    return carry_out(work)
+
+
+def carry_out(work: Callable[[], int]) -> int:
+    """Do ``work`` and return its exit code; whatever goes wrong is one line and an exit code."""
     terminal.keep_descriptors()
     with interrupts.signals():
-        return _guarded(arguments)
-
-
-def _guarded(arguments: Sequence[str] | None) -> int:
-    """Run a command; whatever happens is one line and an exit code."""
-    code = DONE
-    try:
-        args = build_parser().parse_args(arguments)
-        code = int(args.command(args))
-        terminal.finish()
-        return code
-    except terminal.NotShownError as error:
-        terminal.say(f"derod: {error}")
-        return code or int(getattr(error, "code", NOT_SHOWN))
-    except DerodError as error:
-        terminal.say(f"derod: {error}")
-        if isinstance(error, RecordError) and not isinstance(error, RefusedError):
-            return NOT_REACHED if args.writes else BAD_INPUT
-        return BAD_INPUT
-    except SystemExit as stop:  # of argparse, after its own words
-        return _after_words(stop)
-    except KeyboardInterrupt:
-        return _interrupted()
-    except Exception:
-        if interrupts.pending() is None:
-            raise
-        return _interrupted()  # it was swallowed on its way, and came back as something else
+        code = DONE
+        try:
+            code = work()
+            terminal.finish()
+            return code
+        except terminal.NotShownError as error:
+            terminal.say(f"derod: {error}")
+            return code or NOT_SHOWN
+        except DerodError as error:
+            terminal.say(f"derod: {error}")
+            return BAD_INPUT
+        except SystemExit as stop:  # of argparse, after its own words
+            return _after_words(stop)
+        except KeyboardInterrupt:
+            return _interrupted()
+        except Exception:
+            if interrupts.pending() is None:
+                raise
+            return _interrupted()  # it was swallowed on its way, and came back as something else
 
 
 def _after_words(stop: SystemExit) -> int:

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from painter import paint_shape, turned
 from reading import Shape, open_files, run_shape
 from shapes import coil_angle
-from style import LABELS, THEMES, Theme, add_output, save, use
+from style import LABELS, THEMES, Theme, add_output, parsed, save, started, use
 
 STEEP = 1.15  # rad, the eye's turn from the coil's axis
 
@@ -76,12 +76,12 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--at", type=float, default=2.6, help="delta/pi")
     parser.add_argument("--turn", type=float, default=STEEP, help="of the eye, rad")
     add_output(parser)
-    args = parser.parse_args(arguments)
+    args = parsed(parser, arguments)
     run = open_files([args.file]).runs[0]
     made = figure(run, args.at * np.pi, THEMES[args.style], turn=args.turn)
-    save(made, args.output, args.dpi)
+    save(made, args.output, args.dpi, args.force)
     return 0
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(started(main))

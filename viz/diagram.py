@@ -16,7 +16,18 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from reading import HARD_WALL, branch_shape, open_files, stretches
-from style import LABELS, THEMES, Theme, add_output, new_figure, path_color, save, use
+from style import (
+    LABELS,
+    THEMES,
+    Theme,
+    add_output,
+    new_figure,
+    parsed,
+    path_color,
+    save,
+    started,
+    use,
+)
 
 QUANTITIES = ("end_tension", "energy_hat")
 DASHES = (0, (4, 2))
@@ -218,13 +229,13 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--quantity", choices=[*QUANTITIES, "both"], default="both")
     parser.add_argument("--marks", action="store_true", help="mark the states of shapes.py")
     add_output(parser)
-    args = parser.parse_args(arguments)
+    args = parsed(parser, arguments)
     files = open_files(args.files)
     quantities = QUANTITIES if args.quantity == "both" else (args.quantity,)
     made = figure(files.runs, files.branches, THEMES[args.style], quantities, args.marks)
-    save(made, args.output, args.dpi)
+    save(made, args.output, args.dpi, args.force)
     return 0
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(started(main))

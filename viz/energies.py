@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 from reading import open_files
-from style import LABELS, THEMES, Theme, add_output, new_figure, save, use
+from style import LABELS, THEMES, Theme, add_output, new_figure, parsed, save, started, use
 
 NAMES = {
     "bend": "bending",
@@ -77,10 +77,15 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("file", help="run file (HDF5)")
     add_output(parser)
-    args = parser.parse_args(arguments)
-    save(figure(open_files([args.file]).runs[0], THEMES[args.style]), args.output, args.dpi)
+    args = parsed(parser, arguments)
+    save(
+        figure(open_files([args.file]).runs[0], THEMES[args.style]),
+        args.output,
+        args.dpi,
+        args.force,
+    )
     return 0
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(started(main))

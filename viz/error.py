@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 from reading import open_files
-from style import LABELS, THEMES, Theme, add_output, new_figure, save, use
+from style import LABELS, THEMES, Theme, add_output, new_figure, parsed, save, started, use
 
 from derod.branches.compare import compare
 
@@ -64,14 +64,14 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("files", nargs="+", help="run files and a branch file (HDF5)")
     parser.add_argument("--every", type=int, default=1, help="compare every n-th increment")
     add_output(parser)
-    args = parser.parse_args(arguments)
+    args = parsed(parser, arguments)
     files = open_files(args.files)
     if len(files.branches) != 1 or not files.runs:
         parser.error("runs and one branch file are needed")
     compared = [(label(run), compare(run, files.branches[0], args.every)) for run in files.runs]
-    save(figure(compared, THEMES[args.style]), args.output, args.dpi)
+    save(figure(compared, THEMES[args.style]), args.output, args.dpi, args.force)
     return 0
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(started(main))

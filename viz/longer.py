@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 from reading import HARD_WALL, open_files, planar_intervals
-from style import LABELS, THEMES, Theme, add_output, new_figure, save, use
+from style import LABELS, THEMES, Theme, add_output, new_figure, parsed, save, started, use
 
 LOOKS = (("3D", "-"), ("Ax", (0, (5, 2))), ("L2", (0, (1, 1.5))))
 
@@ -63,10 +63,10 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("files", nargs="+", help="run files (HDF5)")
     add_output(parser)
-    args = parser.parse_args(arguments)
-    save(figure(open_files(args.files).runs, THEMES[args.style]), args.output, args.dpi)
+    args = parsed(parser, arguments)
+    save(figure(open_files(args.files).runs, THEMES[args.style]), args.output, args.dpi, args.force)
     return 0
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(started(main))

@@ -17,7 +17,10 @@ from cover import draw_curve, paint_coil
 from matplotlib.figure import Figure
 from reading import run_shape
 from shapes import coil_angle
-from style import THEMES, Theme, use
+from style import THEMES, Theme, parsed, started, use
+
+from derod.outputs import replacing
+from derod.terminal import say_done
 
 TURNS = 0.75  # of the eye about the clamps' axis, over the movie
 HOLD = 0.12  # of the frames show the end
@@ -48,12 +51,13 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("file", help="run file (HDF5)")
     parser.add_argument("-o", "--output", required=True, help="OUT.mp4 or OUT.gif")
+    parser.add_argument("--force", action="store_true", help="replace OUT if it exists")
     parser.add_argument("--frames", type=int, default=120)
     parser.add_argument("--rate", type=int, default=20, help="frames a second")
     parser.add_argument("--width", type=int, default=640, help="pixels")
     parser.add_argument("--colors", type=int, default=160, help="of a GIF's palette")
     parser.add_argument("--style", choices=sorted(THEMES), default="dark")
-    args = parser.parse_args(arguments)
+    args = parsed(parser, arguments)
     suffix = Path(args.output).suffix
     if suffix not in (".mp4", ".gif"):
         parser.error(f"-o {args.output}: allowed: a name that ends in .mp4 or .gif")
@@ -61,13 +65,14 @@ def main(arguments: list[str] | None = None) -> int:
         parser.error("there is no ffmpeg for an .mp4; -o OUT.gif needs none")
     import derod
 
-    with derod.open_run(args.file) as run:
-        pictures = paint(run, args.frames, args.width, THEMES[args.style])
-    if suffix == ".gif":
-        write_gif(pictures, args.output, args.rate, args.colors)
-    else:
-        write_mp4(pictures, args.output, args.rate)
-    print(args.output)
+    with derod.open_run(args.file) as opened:
+        pictures = paint(opened, args.frames, args.width, THEMES[args.style])
+    with replacing(args.output, force=args.force) as passing:
+        if suffix == ".gif":
+            write_gif(pictures, passing, args.rate, args.colors)
+        else:
+            write_mp4(pictures, passing, args.rate)
+    say_done(args.output)
     return 0
 
 
@@ -87,7 +92,7 @@ def paint(run: Any, frames: int, width: int, theme: Theme) -> list[np.ndarray]:
     return pictures
 
 
-def write_gif(pictures: list[np.ndarray], output: str, rate: int, colors: int) -> None:
+def write_gif(pictures: list[np.ndarray], output: str | Path, rate: int, colors: int) -> None:
     """One palette for all frames, taken from the last, so that nothing flickers."""
     from PIL import Image
 
@@ -96,6 +101,7 @@ def write_gif(pictures: list[np.ndarray], output: str, rate: int, colors: int) -
     frames = [image.quantize(palette=palette, dither=Image.Dither.NONE) for image in images]
     frames[0].save(
         output,
+        format="GIF",
         save_all=True,
         append_images=frames[1:],
         duration=1000 // rate,
@@ -104,16 +110,16 @@ def write_gif(pictures: list[np.ndarray], output: str, rate: int, colors: int) -
     )
 
 
-def write_mp4(pictures: list[np.ndarray], output: str, rate: int) -> None:
+def write_mp4(pictures: list[np.ndarray], output: str | Path, rate: int) -> None:
     """By ffmpeg, in a form that browsers play."""
     import subprocess
 
     height, width, _ = pictures[0].shape
     command = ["ffmpeg", "-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24"]
     command += ["-s", f"{width}x{height}", "-r", str(rate), "-i", "-"]
-    command += ["-c:v", "libx264", "-pix_fmt", "yuv420p", "-crf", "20", output]
+    command += ["-c:v", "libx264", "-pix_fmt", "yuv420p", "-crf", "20", "-f", "mp4", str(output)]
     subprocess.run(command, input=b"".join(p.tobytes() for p in pictures), check=True)
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(started(main))

@@ -31,6 +31,11 @@ from tqdm import tqdm
 
 import derod
 from derod.branches.compare import compare
+from derod.cli import carry_out
+from derod.frames import Outcome
+from derod.outputs import replacing
+from derod.stream.replay import is_branch_file
+from derod.terminal import say
 
 ROOT = Path(__file__).resolve().parent.parent
 SCENES = ("text", "figures")
@@ -61,16 +66,17 @@ def jobs(data: Path) -> dict[Path, list[str]]:
 
 
 def compute(data: Path, workers: int) -> list[str]:
-    """Make the files that are missing; returns complaints. A push that ends early keeps its
-    file.
+    """Make the files that are missing, go on with those that were interrupted; returns complaints.
+
+    A push that ends early by itself keeps its file: it would end there again.
     """
     data.mkdir(parents=True, exist_ok=True)
-    missing = {path: words for path, words in jobs(data).items() if not path.exists()}
+    todo = {path: words for path, words in jobs(data).items() if state_of(path) != FINISHED}
 
     def run(item: tuple[Path, list[str]]) -> str | None:
         path, words = item
         done = subprocess.run(
-            [sys.executable, "-m", "derod", *words, "-o", str(path)],
+            [sys.executable, "-m", "derod", *command(path, words)],
             cwd=ROOT,
             capture_output=True,
             text=True,
@@ -81,16 +87,47 @@ def compute(data: Path, workers: int) -> list[str]:
         return f"derod {' '.join(words[:2])}: exit code {done.returncode}: {done.stderr.strip()}"
 
     with ThreadPoolExecutor(workers) as pool:
-        results = pool.map(run, missing.items())
-        return [text for text in tqdm(results, "computing", len(missing)) if text is not None]
+        results = pool.map(run, todo.items())
+        return [text for text in tqdm(results, "computing", len(todo)) if text is not None]
 
 
-def draw(data: Path, out: Path, style: str, endings: tuple[str, ...], dpi: int) -> None:
+FINISHED, INTERRUPTED, MISSING = "finished", "interrupted", "missing"
+
+
+def state_of(path: Path) -> str:
+    """Whether a run or branch file is finished, was interrupted, or is missing or useless.
+
+    It is what the file says that counts, not that it is there.
+    """
+    if not path.exists():
+        return MISSING
+    try:
+        if is_branch_file(str(path)):
+            with derod.open_branches(path) as file:
+                return FINISHED if file.complete else INTERRUPTED
+        with derod.open_run(path, verify=True) as run:
+            cut = (None, Outcome.INTERRUPTED, Outcome.RECORD_FAILED)
+            return INTERRUPTED if run.outcome in cut else FINISHED
+    except derod.RecordError:
+        return MISSING
+
+
+def command(path: Path, words: list[str]) -> list[str]:
+    """The derod command that makes ``path``, or goes on with it."""
+    quiet = ["--quiet"] if "--quiet" in words else []
+    if state_of(path) == INTERRUPTED:
+        return [words[0], "--resume", str(path), *quiet]
+    return [*words, "-o", str(path), "--force"]
+
+
+def draw(
+    data: Path, out: Path, style: str, endings: tuple[str, ...], dpi: int, force: bool
+) -> None:
     """Draw all figures."""
     theme = THEMES[style]
 
     def keep(figure: Any, name: str) -> None:
-        save(figure, [out / f"{name}.{ending}" for ending in endings], dpi)
+        save(figure, [out / f"{name}.{ending}" for ending in endings], dpi, force)
 
     runs = {name: derod.open_run(data / f"{name}.h5") for name in SCENES}
     files = {name: derod.open_branches(data / f"{name}-branches.h5") for name in SCENES}
@@ -113,7 +150,8 @@ def draw(data: Path, out: Path, style: str, endings: tuple[str, ...], dpi: int) 
     keep(energies.figure(runs["text"], theme), "energies-text")
     keep(kymograph.figure(runs["text"], theme), "kymograph-text")
     table = stated_table(runs, files)
-    (data.parent / "stated.md").write_text(table, encoding="utf-8")
+    with replacing(data.parent / "stated.md", force=force) as passing:
+        passing.write_text(table, encoding="utf-8")
     print(table)
 
 
@@ -123,20 +161,25 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("-o", "--output", default="viz/out", help="folder for data and figures")
     parser.add_argument("--images", help="folder for PNGs only, e.g. docs/images")
     parser.add_argument("--style", choices=sorted(THEMES), default="light")
+    parser.add_argument("--force", action="store_true", help="replace figures that exist")
     parser.add_argument("--workers", type=int, default=2, help="pushes and branches at a time")
     args = parser.parse_args(arguments)
     began = time.perf_counter()
     out = Path(args.output)
     complaints = compute(out / "data", args.workers)
     for line in complaints:
-        print(f"paper.py: {line}", file=sys.stderr)
+        say(f"paper.py: {line}")
+    cut = [path for path in jobs(out / "data") if state_of(path) != FINISHED]
+    if cut:
+        say(f"paper.py: nothing is drawn: not finished: {', '.join(path.name for path in cut)}")
+        return 3
     if args.images:
-        draw(out / "data", Path(args.images), args.style, ("png",), 110)
+        draw(out / "data", Path(args.images), args.style, ("png",), 110, args.force)
     else:
-        draw(out / "data", out, args.style, ("pdf", "png"), 160)
+        draw(out / "data", out, args.style, ("pdf", "png"), 160, args.force)
     print(f"{time.perf_counter() - began:.0f} s")
     return 3 if complaints else 0
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(carry_out(main))

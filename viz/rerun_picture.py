@@ -12,9 +12,12 @@ import tempfile
 import time
 from pathlib import Path
 
+from derod.cli import carry_out
+from derod.outputs import check_output, replacing
 from derod.stream.replay import replay_file
 from derod.stream.target import parse_target
 from derod.stream.viewers import VIEWER_MEMORY, close_recording, free_port, program
+from derod.terminal import say_done
 
 SETTLE = 12.0  # s until the viewer has loaded everything and its notices are gone
 
@@ -24,10 +27,12 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("file", help="run or branch file, or .rrd")
     parser.add_argument("-o", "--output", required=True, help="PNG to write")
+    parser.add_argument("--force", action="store_true", help="replace the PNG if it exists")
     parser.add_argument("--time", default="increment=-1", help="TIMELINE=VALUE to show")
     parser.add_argument("--color", default="curvature", help="what the rod is coloured by")
     parser.add_argument("--width", type=int, default=1400, help="of the picture, pixels")
     args = parser.parse_args(arguments)
+    check_output(args.output, force=args.force, inputs=[args.file])
     with tempfile.TemporaryDirectory() as folder:
         recording = args.file
         if not recording.endswith(".rrd"):
@@ -36,8 +41,9 @@ def main(arguments: list[str] | None = None) -> int:
                 replay_file(args.file, parse_target(recording), args.color).recording, 60.0
             )
         timeline, _, value = args.time.partition("=")
-        Path(args.output).write_bytes(picture(recording, timeline, float(value), args.width))
-    print(args.output)
+        with replacing(args.output, force=args.force) as passing:
+            passing.write_bytes(picture(recording, timeline, float(value), args.width))
+    say_done(args.output)
     return 0
 
 
@@ -66,4 +72,4 @@ def picture(recording: str, timeline: str, value: float, width: int) -> bytes:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(carry_out(main))

@@ -15,7 +15,7 @@ from diagram import family
 from matplotlib.figure import Figure
 from painter import paint_shape, turned
 from reading import Shape, branch_shape, open_files, run_shape
-from style import THEMES, Theme, add_output, path_color, save, use
+from style import THEMES, Theme, add_output, parsed, path_color, save, started, use
 
 VIEWS = (0.35, 1.92)  # rad, the eye's turns from the coil's axis, about the clamps' axis
 
@@ -73,7 +73,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--branch", nargs="*", default=[], metavar="NAME:X", help="states of paths")
     parser.add_argument("--columns", type=int, default=2)
     add_output(parser)
-    args = parser.parse_args(arguments)
+    args = parsed(parser, arguments)
     files = open_files(args.files)
     shapes = []
     for file in files.branches:
@@ -82,9 +82,9 @@ def main(arguments: list[str] | None = None) -> int:
             shapes.append(branch_shape(file[name], float(where) * np.pi))
     for run in files.runs:
         shapes += [run_shape(run, float(where) * np.pi) for where in args.at.split(",")]
-    save(figure(shapes, THEMES[args.style], args.columns), args.output, args.dpi)
+    save(figure(shapes, THEMES[args.style], args.columns), args.output, args.dpi, args.force)
     return 0
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(started(main))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,6 +13,10 @@ mpl.use("Agg")
 
 import matplotlib.pyplot as plt
 from matplotlib.figure import Figure
+
+from derod.cli import carry_out
+from derod.outputs import check_output, replacing
+from derod.terminal import say_done
 
 
 @dataclass(frozen=True)
@@ -130,16 +134,35 @@ def add_output(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "-o", "--output", nargs="+", required=True, metavar="OUT", help="OUT.pdf, OUT.png, ..."
     )
+    parser.add_argument("--force", action="store_true", help="replace OUT if it exists")
     parser.add_argument("--style", choices=sorted(THEMES), default="light")
     parser.add_argument("--dpi", type=int, default=160, help="of pixel pictures")
 
 
-def save(figure: Figure, outputs: Sequence[str | Path], dpi: int = 160) -> None:
+def parsed(parser: argparse.ArgumentParser, arguments: Sequence[str] | None) -> argparse.Namespace:
+    """The arguments; outputs that must not be written are refused before any work."""
+    args = parser.parse_args(arguments)
+    inputs = getattr(args, "files", None) or [getattr(args, "file", None)]
+    outputs = args.output if isinstance(args.output, list) else [args.output]
+    for i, output in enumerate(outputs):
+        check_output(output, force=args.force, inputs=inputs, others=outputs[:i])
+    return args
+
+
+def save(
+    figure: Figure, outputs: Sequence[str | Path], dpi: int = 160, force: bool = False
+) -> None:
     """Write a figure, vector or pixels by the name's ending, and let go of it."""
     for output in outputs:
         path = Path(output)
-        path.parent.mkdir(parents=True, exist_ok=True)
         undated = {"CreationDate": None} if path.suffix == ".pdf" else None
-        figure.savefig(path, dpi=dpi, metadata=undated)
-        print(path)
+        with replacing(path, force=force) as passing:
+            kind = path.suffix.removeprefix(".") or "png"
+            figure.savefig(passing, dpi=dpi, metadata=undated, format=kind)
+        say_done(str(path))
     plt.close(figure)
+
+
+def started(main: Callable[[], int]) -> int:
+    """Do what a script's ``main`` does; what goes wrong is one line and an exit code."""
+    return carry_out(main)

@@ -206,6 +206,50 @@ def test_files_are_written_as_vectors_and_pixels(run, tmp_path):
     assert (tmp_path / "b" / "a.png").read_bytes().startswith(b"\x89PNG")
 
 
+def test_figures_are_outputs_like_any_other(run, tmp_path):
+    import energies
+    from style import LIGHT, save
+
+    from derod.outputs import OutputError
+
+    path = tmp_path / "a.png"
+    path.write_text("precious")
+    with pytest.raises(OutputError, match="exists already"):
+        save(energies.figure(run, LIGHT), [path])
+    assert path.read_text() == "precious"
+    save(energies.figure(run, LIGHT), [path], force=True)
+    assert path.read_bytes().startswith(b"\x89PNG") and list(tmp_path.iterdir()) == [path]
+    for words in ([str(path), "-o", str(path), "--force"], ["x.h5", "-o", str(path)]):
+        with pytest.raises(OutputError):
+            energies.main(words)
+
+
+def test_what_was_interrupted_is_not_taken_for_finished(tmp_path):
+    import paper
+
+    from derod.frames import Ending, Outcome
+    from derod.record import RunWriter
+    from tests.synthetic import make_frame, small_scene
+
+    path = tmp_path / "run.h5"
+    words = ["push", "scene.toml", "--quiet"]
+    assert paper.state_of(path) == paper.MISSING
+    assert paper.command(path, words) == [*words, "-o", str(path), "--force"]
+    for outcome, state in [
+        (Outcome.INTERRUPTED, paper.INTERRUPTED),
+        (Outcome.RECORD_FAILED, paper.INTERRUPTED),
+        (Outcome.COMPLETED, paper.FINISHED),
+        (Outcome.NOT_CONVERGED, paper.FINISHED),
+    ]:
+        writer = RunWriter(path, overwrite=True)
+        writer.start(small_scene(), 0)
+        writer.frame(make_frame(0, 24))
+        writer.finish(Ending(outcome, "", 0.1))
+        assert paper.state_of(path) == state
+    path.write_text("no run")
+    assert paper.state_of(path) == paper.MISSING
+
+
 def test_every_script_says_what_it_does():
     for script in sorted(VIZ.glob("*.py")):
         head = script.read_text(encoding="utf-8").lstrip().splitlines()[0]
