@@ -74,7 +74,10 @@ def push(
         memory = MemoryRun()
         _drive(scene, memory, observers, None)
         return memory
-    _drive(scene, RunWriter(path, overwrite=overwrite), observers, None)
+    writer = RunWriter(path, overwrite=overwrite)
+    ending = _drive(scene, writer, observers, None)
+    if not writer.began:  # there is no file yet that could say so
+        raise KeyboardInterrupt(ending.message)
     return open_run(path)
 
 

@@ -46,13 +46,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
             terminal.say(f"derod: {error}")
             return NOT_REACHED
 
-    return carry_out(work)
+    return carry_out(work, leaving=arguments is None)
 
 
-def carry_out(work: Callable[[], int]) -> int:
-    """Do ``work`` and return its exit code; whatever goes wrong is one line and an exit code."""
+def carry_out(work: Callable[[], int], *, leaving: bool = True) -> int:
+    """Do ``work`` and return its exit code; whatever goes wrong is one line and an exit code.
+
+    ``leaving`` tells that the process ends afterwards.
+    """
     terminal.keep_descriptors()
-    with interrupts.signals():
+    with interrupts.signals(leaving=leaving):
         code = DONE
         try:
             code = work()

@@ -82,8 +82,11 @@ def _unraisable(before: Any) -> Any:
 
 
 @contextlib.contextmanager
-def signals() -> Iterator[None]:
-    """Let signals end what happens inside; those that are ignored (``nohup``) stay ignored."""
+def signals(*, leaving: bool = False) -> Iterator[None]:
+    """Let signals end what happens inside; those that are ignored (``nohup``) stay ignored.
+
+    With ``leaving`` the process ends afterwards: what is left of a storm does nothing then.
+    """
     if threading.current_thread() is not threading.main_thread():
         yield  # signals go to the main thread only
         return
@@ -101,6 +104,8 @@ def signals() -> Iterator[None]:
         _seen.acknowledged = True
         signal.setitimer(signal.ITIMER_REAL, 0.0)
         for number, handler in before.items():
-            if handler is not None:
+            if leaving and _seen.number is not None:
+                signal.signal(number, signal.SIG_IGN)
+            elif handler is not None:
                 signal.signal(number, handler)
         sys.unraisablehook = hook

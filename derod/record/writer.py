@@ -23,7 +23,7 @@ class RunWriter:
 
     The file appears under its name only once it is readable, and is readable from then on, whether
     the process ends, is killed, or runs out of disk. Missing folders are made. An existing file
-    is replaced only with ``overwrite``. Methods raise RecordError.
+    is replaced only with ``overwrite``. Methods raise RecordError. ``began`` tells whether it is there.
     """
 
     def __init__(self, path: str | os.PathLike[str], *, overwrite: bool = False) -> None:
@@ -31,6 +31,7 @@ class RunWriter:
         self._overwrite = overwrite
         self._file: GrowingFile | None = None
         self._last = float("nan")  # end-shortening
+        self.began = False
 
     def start(self, scene: Scene, first_increment: int) -> None:
         """Create the file, or check that the copied one ends where the push goes on."""
@@ -43,6 +44,7 @@ class RunWriter:
             target = check_output(self.path, force=self._overwrite)
             with _held_if_there(target) as held:
                 self._file = _create(self.path, target, scene, None, held)
+            self.began = True
         elif first_increment != self._file.frames:
             raise RecordError(
                 f"{self.path}: has {self._file.frames} frames, but the push goes on at "
