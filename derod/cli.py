@@ -94,7 +94,13 @@ def _interrupted() -> int:
 
 
 class Parser(argparse.ArgumentParser):
-    """One whose complaints a terminal can show."""
+    """One whose complaints a terminal can show, and whose help must be shown."""
+
+    def _print_message(self, message: str, file: Any = None) -> None:
+        if message and (file is None or file is sys.stdout):
+            terminal.show(message.removesuffix("\n"))
+        else:
+            super()._print_message(message, file)
 
     def error(self, message: str) -> NoReturn:
         """Print the usage and what is wrong, and exit with 2."""

@@ -8,6 +8,7 @@ control characters written out.
 from __future__ import annotations
 
 import contextlib
+import errno
 import os
 import sys
 
@@ -49,9 +50,24 @@ def show(text: str) -> None:
         raise NotShownError("the results cannot be shown: standard output is closed")
     try:
         for line in text.split("\n"):
-            sys.stdout.write(_encodable(printable(line, MOST_LINE)) + "\n")
+            _write(_encodable(printable(line, MOST_LINE)) + "\n")
     except (OSError, ValueError) as error:
         raise _not_shown(error) from error
+
+
+def _write(line: str) -> None:
+    """Write to standard output; an unbuffered one does not say by itself that it took nothing."""
+    under = getattr(sys.stdout, "buffer", None)
+    if under is None:
+        sys.stdout.write(line)
+        return
+    sys.stdout.flush()
+    data = line.encode(sys.stdout.encoding, "backslashreplace")
+    while data:
+        taken = under.write(data)
+        if not taken:
+            raise BlockingIOError(errno.EAGAIN, os.strerror(errno.EAGAIN))
+        data = data[taken:]
 
 
 def say_done(text: str) -> None:
