@@ -50,6 +50,7 @@ def run(sources: Path, scene: str, paths: str | None, target: Path) -> float:
     command = [sys.executable, "-m", "derod", "branch", str(HERE / scene), "-o", str(target)]
     if paths is not None:
         command += ["--paths", paths]
+    target.unlink(missing_ok=True)  # version 0.1 knows no --force
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     subprocess.run([*command, "--quiet"], check=True, env={**os.environ, **own}, cwd=sources)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)

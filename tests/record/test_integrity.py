@@ -158,13 +158,23 @@ def test_files_of_version_0_1_are_read_and_said_to_be_unchecked(
     path = tmp_path / "run.h5"
     make_old(path, finished)
     with open_run(path) as run:
-        assert not run.checksummed and len(run) == COUNT and is_frame(run, 3)
+        assert not run.checksummed and len(run) == COUNT
         assert run.table.dtype == ROW and run.events[0] == make_event(4)
+        assert run.table[3]["end_tension"] == make_frame(3, 24).row["end_tension"]
+        np.testing.assert_array_equal(run.positions(3), make_frame(3, 24).positions)
+        missing = set(ROW.names or ()) - set(layout.OLDEST_COLUMNS)
+        for name in missing:
+            assert ROW[name].kind != "f" or np.isnan(run.table[name]).all()
         with pytest.raises(RecordError, match="not checksummed"):
             run.verify()
-    resume_copy(path)
-    with open_run(path, verify=True) as run:
-        assert run.checksummed and len(run) == COUNT
+        assert run.goes_on is not bool(missing)
+    if missing:
+        with pytest.raises(RecordError, match="by another version"):
+            resume_copy(path)
+    else:
+        resume_copy(path)
+        with open_run(path, verify=True) as run:
+            assert run.checksummed and len(run) == COUNT
 
 
 def make_old(path: Path, data: bytes) -> None:
