@@ -46,8 +46,9 @@ def check_output(
 ) -> Path:
     """Return the file that writing to ``path`` shall make or replace, links followed.
 
-    ``inputs`` are files that are read, ``others`` those that are written beside it. Raises RefusedError
-    and OutputError: one line that names the path, what is wrong and what is allowed.
+    ``inputs`` are files that are read, ``others`` those that are written beside it. Raises InUseError
+    where another process writes it, RefusedError and OutputError: one line that names the path, what is
+    wrong and what is allowed.
     """
     name = os.fsdecode(os.fspath(path))
     try:
@@ -86,6 +87,8 @@ def _check_target(name: str, target: Path, force: bool, ask: str) -> None:
         kind = _kind(there.st_mode)
         raise RefusedError(f"{name}: cannot be written: it is {kind}; allowed: a regular file")
     if not force:
+        with contextlib.suppress(OSError):  # not ours to write: then nobody's lock can be seen
+            Lock.take(str(target)).release()  # who writes it is the better answer
         raise RefusedError(f"{name}: exists already; {ask}")
     if not there.st_mode & 0o222 or not os.access(target, os.W_OK):
         raise RefusedError(f"{name}: is write-protected")
