@@ -20,6 +20,7 @@ from derod.record import (
     resume_copy,
 )
 from derod.scene import Scene
+from derod.scene.material import check_one_stiffness
 from derod.scene.reading import build_scene, plain_tables
 
 
@@ -59,6 +60,7 @@ def push(
     if scene is None:
         raise SceneError("a push that resumes no run needs a scene")
     scene = build_scene(plain_tables(scene), scene.path)  # it may have been put together by hand
+    check_one_stiffness(scene)
     if path is None:
         memory = MemoryRun()
         _drive(scene, [memory, *observers], None)
@@ -73,6 +75,7 @@ def _resume(
     with open_run(path) as old:
         scene = old.scene if scene is None else scene
         scene = build_scene(plain_tables(scene), scene.path)
+        check_one_stiffness(scene)
         if old.outcome is Outcome.COMPLETED and scene == old.scene:
             return open_run(path)
         check_continues(old, scene)
@@ -98,7 +101,7 @@ def _extrapolated(run: BaseRun) -> BaseRun:
 def check_continues(old: BaseRun, scene: Scene) -> None:
     """Raise SceneError unless ``scene`` is what ``old`` ran, but for where the push goes next."""
     before = old.scene
-    for table in ("rod", "drop", "clamps", "mesh", "noise", "model"):
+    for table in ("material", "rod", "drop", "clamps", "mesh", "noise", "model"):
         if getattr(scene, table) != getattr(before, table):
             raise SceneError("differs from the run that is resumed", file=scene.path, key=table)
     if scene.push.start != before.push.start:

@@ -107,6 +107,9 @@ def _add_check(commands: Any) -> None:
 def _add_info(commands: Any) -> None:
     parser = commands.add_parser("info", help="say what a run did: landings, events, outcome")
     parser.add_argument("file", metavar="FILE", help="run file, finished or not")
+    parser.add_argument(
+        "--si", action="store_true", help="landings and ranges in SI too; needs [material]"
+    )
     parser.set_defaults(command=_run("info"), writes=False)
 
 

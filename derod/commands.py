@@ -15,7 +15,8 @@ from typing import NoReturn
 from derod import exits
 from derod.errors import RecordError
 from derod.frames import Observer, Outcome
-from derod.scene import Scene, dimensionless_groups, load_scene
+from derod.scene import Scene, load_scene
+from derod.scene.checking import check_lines, pushable_words
 
 EXIT_CODES = {
     Outcome.COMPLETED: exits.DONE,
@@ -61,9 +62,9 @@ def push(args: argparse.Namespace) -> int:
 def check(args: argparse.Namespace) -> int:
     """``derod check``."""
     scene = load_scene(args.scene)
-    print(f"{args.scene}: a scene that can be pushed")
-    for group in dimensionless_groups(scene):
-        print(f"  {group.symbol:18}{group.value:<14.6g}{group.meaning}")
+    print(f"{args.scene}: {pushable_words(scene)}")
+    for line in check_lines(scene):
+        print(line)
     return exits.DONE
 
 
@@ -75,6 +76,11 @@ def info(args: argparse.Namespace) -> int:
     with open_run(args.file) as run:
         for line in summary_lines(run):
             print(line)
+        if args.si:
+            from derod.si import si_lines
+
+            for line in si_lines(run):
+                print(line)
     return exits.DONE
 
 
