@@ -6,10 +6,10 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from derod.errors import SceneError
+from derod.scene.material import check_one_stiffness
 
 if TYPE_CHECKING:
     from derod.scene import Scene
-from derod.scene.material import check_one_stiffness
 
 
 @dataclass(frozen=True, slots=True)
