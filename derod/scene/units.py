@@ -32,6 +32,7 @@ MEASURE = re.compile(
     rf"\s*(?P<value>[+-]?\s*{NUMBER})\s*(?:(?:\+/?-|±)\s*(?P<error>{NUMBER}))?\s*(?P<unit>.*?)\s*",
     re.ASCII,
 )
+LARGEST = 1e100  # of anything, in SI: products of a few stay finite
 SHORTEST = 12  # digits tried before a number is written in full
 STEP = 1e-150
 """Of the complex step, relative: small enough for its square to vanish beside 1."""
@@ -51,7 +52,7 @@ def read_measured(value: object, dimension: str) -> Measured:
     A number is taken in the SI unit; a string names its unit, unless the quantity has none.
     """
     if not isinstance(value, str):
-        return Measured(read_number(value))
+        return _bounded(Measured(read_number(value)))
     match = MEASURE.fullmatch(value) if len(value) <= LONGEST_TEXT else None
     if match is None:
         raise ValueError("is not understood as a quantity")
@@ -62,7 +63,7 @@ def read_measured(value: object, dimension: str) -> Measured:
     angle = math.pi / 180.0 if name == DEGREE else 1.0
     number = _times(match["value"].replace(" ", ""), unit) * angle
     error = _times(match["error"] or "0", unit) * angle
-    return Measured(read_number(number), read_number(error))
+    return _bounded(Measured(read_number(number), read_number(error)))
 
 
 def plain_measured(measured: Measured, dimension: str) -> str | float:
@@ -106,6 +107,12 @@ def propagate(
             step = STEP * (abs(x.value) or 1.0)
             slopes.append(formula({**at, name: complex(x.value, step)}).imag / step * x.error)
     return Measured(value, math.hypot(*slopes))
+
+
+def _bounded(measured: Measured) -> Measured:
+    if max(abs(measured.value), measured.error) > LARGEST:
+        raise ValueError("is too large")
+    return measured
 
 
 def _multiple(name: str, dimension: str) -> Fraction:
