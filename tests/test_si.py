@@ -263,6 +263,7 @@ def test_units(text: object, dimension: str, value: float, error: float) -> None
 @example("length", 5.6e-6, 5e-7)
 @example("angle", math.radians(23), 0.0)
 @example("angle", 0.1, 1e-17)
+@example("angle", 9.999999999994359e99, 0.0)
 def test_measured_quantities_read_back_exactly(dimension: str, value: float, error: float) -> None:
     measured = Measured(value, error)
     assert read_measured(plain_measured(measured, dimension), dimension) == measured

@@ -76,7 +76,7 @@ def plain_measured(measured: Measured, dimension: str) -> str | float:
         digits = [f"{x / scale:.{SHORTEST}g}" for x in (measured.value, measured.error)]
         shown = digits[0] if measured.error == 0.0 else " +- ".join(digits)
         texts.append(f"{shown} {name}".rstrip())
-    exact = [text for text in texts if read_measured(text, dimension) == measured]
+    exact = [text for text in texts if _says(text, dimension, measured)]
     if exact:
         return min(exact, key=len)
     if measured.error == 0.0:
@@ -107,6 +107,13 @@ def propagate(
             step = STEP * (abs(x.value) or 1.0)
             slopes.append(formula({**at, name: complex(x.value, step)}).imag / step * x.error)
     return Measured(value, math.hypot(*slopes))
+
+
+def _says(text: str, dimension: str, measured: Measured) -> bool:
+    try:
+        return read_measured(text, dimension) == measured
+    except ValueError:  # rounded past the largest
+        return False
 
 
 def _bounded(measured: Measured) -> Measured:
