@@ -9,6 +9,7 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
+import msgspec
 import numpy as np
 import pytest
 from hypothesis import example, given
@@ -108,6 +109,7 @@ def test_groups_of_the_fibre(capsys: pytest.CaptureFixture[str]) -> None:
         "K0/D": K / D,
         "L_EC": math.sqrt(K / F),
         "T_plateau": F - 2 * K / ((1 + soft) * D) ** 2,
+        "t_plateau": F * D**2 / K - 2 / (1 + soft) ** 2,
         "d/D": d / D,
         "F_gamma/(gamma D)": F / (gamma * D),
         "L_c": math.sqrt(gamma / (rho_drop * g)),
@@ -139,6 +141,7 @@ def test_groups_of_the_strip(capsys: pytest.CaptureFixture[str]) -> None:
         "J": beta * w * h**3,
         "F_gamma": F,
         "T_plateau": F - 2 * K1 / (1.1 * D) ** 2,
+        "t_plateau": F * D**2 / K1 - 2 / 1.1**2,
         "w/D": w / D,
         "h/D": h / D,
         "K2/K0": K2 / K1,
@@ -187,6 +190,9 @@ def test_uncertainties_of_the_fibre_follow_from_the_powers() -> None:
     }.items():
         value, error = shown[symbol]
         assert error == pytest.approx(abs(power) * relative * value, rel=1e-12), symbol
+    assert shown["t_plateau"][1] == pytest.approx(
+        3 * relative * shown["f_gamma D^2/K"][0], rel=1e-12
+    )
     assert shown["l"][1] == 0.0 and shown["k3/K"][1] == 0.0
     force, stiffness, D = shown["F_gamma"][0], shown["K0"][0], 200.2e-6
     slope = force - 4 * 2 * stiffness / (1.1 * D) ** 2  # d times dT/dd: F and K share d
@@ -458,6 +464,13 @@ def test_replace() -> None:
         scene.replace({"rod.length": 11})
 
 
+def test_a_scene_put_together_by_hand_must_agree_with_its_material() -> None:
+    scene = build_scene(tables())
+    other = msgspec.structs.replace(scene, rod=msgspec.structs.replace(scene.rod, length=9.0))
+    with pytest.raises(SceneError, match=r"rod\.length = 9.0 is given, and \[material\]"):
+        derod.push(other)
+
+
 def test_lengths_of_the_push_with_units() -> None:
     push = {"stop": ["0.1001 mm", "0.1 pi"], "at": ["80.08 um"], "max_step": "20.02 um"}
     scene = build_scene(tables(push=push))
@@ -530,3 +543,22 @@ def test_info_si(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     last = lines[lines.index("ranges", head) - 1].split()
     assert float(last[4]) == pytest.approx(force * 1e6, rel=1e-5)
     assert lines[head - 1].startswith("in SI: D = 0.0002002 m, K0 = 8.20674e-16")
+
+
+def test_runs_with_material_resume_and_extrapolate(tmp_path: Path) -> None:
+    path = tmp_path / "run.h5"
+    scene = build_scene(tables(push={"stop": "0.01 pi"}, mesh={"edges": 60}))
+    derod.push(scene, path).close()
+    further = scene.replace({"push.stop": "0.02 pi"})
+    with pytest.raises(SceneError, match=r"material differs"):
+        derod.push(further.replace({"material.drop_density": 960}), resume=path)
+    with derod.push(further, resume=path) as run:
+        assert run.scene == further and run.ending is not None
+        assert run.si["end_shortening"][-1] == pytest.approx(0.02 * math.pi * 200.2e-6, rel=1e-12)
+    better = derod.push(scene, extrapolate=True)
+    rows, stored = better.si.extrapolated, better.extrapolated
+    assert rows is not None and stored is not None
+    force = better.si.scales.force
+    for name in ("end_tension", "end_tension_error"):
+        assert np.isfinite(stored[name]).any()
+        assert rows[name] == pytest.approx(stored[name] * force, rel=1e-12, abs=0, nan_ok=True)

@@ -38,6 +38,7 @@ def group_errors(scene: Scene, material: Material) -> dict[str, float]:
         "L_EC/D": lambda x: pull(x) ** -0.5,
         "v0/(rho f_gamma)": lambda x: _wall(scene) / pull(x),
         "t_coil": pull,
+        "t_plateau": pull,
     }
     if material.length is not None:
         formulas["l"] = length_ratio
@@ -75,7 +76,7 @@ def si_quantities(scene: Scene, material: Material) -> list[Group]:
         ("K0/D", "J", unit_energy, "the unit of energy and of moments (N m)"),
         ("L_EC", "m", elastocapillary_length, "elastocapillary length sqrt(K0/F_gamma)"),
         ("T_plateau", "N", plateau,
-         "tension of a coil at (1 + rho)/2 as v0 -> 0: F_gamma - 2 K0/((1 + rho) D)^2"),
+         "t_plateau in newtons, F_gamma - 2 K0/((1 + rho) D)^2"),
     ]  # fmt: skip
     return [_row(given, *row) for row in rows]
 

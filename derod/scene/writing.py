@@ -72,6 +72,9 @@ def dimensionless_groups(scene: Scene) -> list[Group]:
         Group("delta_end/pi", (rod.length - 1.0) / math.pi, "where the outer rod about runs out"),
         Group("t_coil", drop.capillary_force - 2.0 * rod.bending,
               "tension of a coil on a hard wall, K0/D^2"),
+        Group("t_plateau",
+              drop.capillary_force - 2.0 * rod.bending / (1.0 + drop.wall_softness) ** 2,
+              "tension of a coil at (1 + rho)/2 as v0 -> 0, K0/D^2"),
     ]  # fmt: skip
     errors = {} if scene.material is None else group_errors(scene, scene.material)
     return [group._replace(error=errors.get(group.symbol, 0.0)) for group in groups]
