@@ -24,6 +24,7 @@ from derod.record import (
     resume_copy,
 )
 from derod.scene import Scene
+from derod.scene.material import check_one_stiffness
 from derod.scene.plan import check_plan
 from derod.scene.reading import build_scene, plain_tables
 
@@ -86,6 +87,7 @@ def _checked(scene: Scene, yes_really: bool) -> Scene:
     if not isinstance(scene, Scene):
         raise SceneError("is no scene (derod.load_scene reads one)", value=scene)
     scene = build_scene(plain_tables(scene), scene.path)
+    check_one_stiffness(scene)
     if not yes_really:
         check_plan(scene)
     return scene
@@ -131,7 +133,7 @@ def _extrapolated(run: BaseRun) -> BaseRun:
 def check_continues(old: BaseRun, scene: Scene) -> None:
     """Raise SceneError unless ``scene`` is what ``old`` ran, but for where the push goes next."""
     before = old.scene
-    for table in ("rod", "drop", "clamps", "mesh", "noise", "model"):
+    for table in ("material", "rod", "drop", "clamps", "mesh", "noise", "model"):
         if getattr(scene, table) != getattr(before, table):
             raise SceneError("differs from the run that is resumed", file=scene.path, key=table)
     if scene.push.start != before.push.start:

@@ -175,6 +175,9 @@ def _add_info(commands: Any) -> None:
     parser.add_argument(
         "--verify", action="store_true", help="read all of it back and check it (exit code 2)"
     )
+    parser.add_argument(
+        "--si", action="store_true", help="landings and ranges in SI too; needs [material]"
+    )
     parser.set_defaults(command=_run("info"), writes=False)
 
 

@@ -9,7 +9,8 @@ from derod import exits, interrupts
 from derod.errors import RecordError
 from derod.frames import Observer, Outcome
 from derod.outputs import check_output
-from derod.scene import Scene, dimensionless_groups, load_scene
+from derod.scene import Scene, load_scene
+from derod.scene.checking import check_lines, pushable_words
 from derod.scene.plan import check_plan, planned
 from derod.terminal import say, say_done, show
 
@@ -63,9 +64,9 @@ def check(args: argparse.Namespace) -> int:
     scene = load_scene(args.scene)
     if not args.yes_really:
         check_plan(scene)
-    show(f"{args.scene}: a scene that can be pushed")
-    for group in dimensionless_groups(scene):
-        show(f"  {group.symbol:18}{group.value:<14.6g}{group.meaning}")
+    show(f"{args.scene}: {pushable_words(scene)}")
+    for line in check_lines(scene):
+        show(line)
     plan = planned(scene)
     show(f"  {'rows':18}{plan.rows:<14.6g}that a push records, at least")
     show(f"  {'file/MB':18}{plan.size / 1e6:<14.6g}that its file takes, at least")
@@ -80,6 +81,11 @@ def info(args: argparse.Namespace) -> int:
     with open_run(args.file, verify=args.verify) as run:
         for line in summary_lines(run):
             show(line)
+        if args.si:
+            from derod.si import si_lines
+
+            for line in si_lines(run):
+                show(line)
         if args.verify:
             show(f"verified: all {len(run)} increments, events and the scene fit their checksums")
     return exits.DONE

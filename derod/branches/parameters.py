@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from derod.errors import SceneError
+from derod.scene.material import check_one_stiffness
 
 if TYPE_CHECKING:
     from derod.scene import Scene
@@ -50,6 +51,7 @@ class Parameters:
         flip-symmetric equations hold for isotropic rods and weightless drops only), and for a drop
         without capillary force or wall.
         """
+        check_one_stiffness(scene)
         bending = scene.rod.bending
         if not isinstance(bending, int | float):
             raise SceneError(

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import Self
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
 from derod.frames import Ending, Event, Frame, Outcome
 from derod.record import layout
 from derod.scene import Scene
+
+if TYPE_CHECKING:
+    from derod.si import SIReading
 
 
 class BaseRun(ABC):
@@ -54,6 +57,13 @@ class BaseRun(ABC):
     def outcome(self) -> Outcome | None:
         """``ending.outcome``, or None."""
         return None if self.ending is None else self.ending.outcome
+
+    @property
+    def si(self) -> SIReading:
+        """The run in SI; raises SceneError where its scene has no [material]."""
+        from derod.si import SIReading
+
+        return SIReading(self)
 
     def __len__(self) -> int:
         """The number of settled increments."""

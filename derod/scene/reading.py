@@ -13,10 +13,12 @@ from typing import Any
 import msgspec.structs
 
 from derod.errors import SceneError
+from derod.scene.material import MATERIAL_KEYS, derived, plain_material, with_groups
 from derod.scene.rules import KEYS, Key, check_together
 from derod.scene.tables import (
     Clamps,
     Drop,
+    Material,
     Mesh,
     Model,
     Noise,
@@ -31,6 +33,7 @@ MOST_BYTES = 2**18
 """Of a scene file."""
 BYTE_ORDER_MARK = "\ufeff"
 TABLES: dict[str, type[Table]] = {
+    "material": Material,
     "rod": Rod,
     "drop": Drop,
     "clamps": Clamps,
@@ -40,6 +43,7 @@ TABLES: dict[str, type[Table]] = {
     "noise": Noise,
     "model": Model,
 }
+ALL_KEYS = {"material": MATERIAL_KEYS, **KEYS}
 
 
 def load_scene(path: str | os.PathLike[str]) -> Scene:
@@ -81,7 +85,7 @@ def build_scene(data: Mapping[str, Any], path: str | None = None) -> Scene:
     if not isinstance(data, Mapping):
         raise SceneError("is no table of tables", file=path, value=data)
     for name, value in data.items():
-        if name not in KEYS:
+        if name not in TABLES:
             raise _unknown_table(name, path)
         if not isinstance(value, Mapping):
             raise SceneError(
@@ -91,11 +95,20 @@ def build_scene(data: Mapping[str, Any], path: str | None = None) -> Scene:
     dry = isinstance(model, Model) and not model.drop
     if dry and "drop" in data:
         raise SceneError("is there although model.drop = false", file=path, key="drop")
+    material: Material | None = None
+    if "material" in data:
+        if dry:
+            raise SceneError("needs a drop: D is its unit", file=path, key="material",
+                             allowed="model.drop = true")  # fmt: skip
+        experiment = _read_table("material", data["material"], path)
+        assert isinstance(experiment, Material)
+        material = experiment
+        data = with_groups(data, material, path)
     tables: dict[str, Any] = {
         name: None if dry and name == "drop" else _read_table(name, data.get(name, {}), path)
         for name in KEYS
     }
-    scene = Scene(**tables, path=path)
+    scene = Scene(**tables, material=material, path=path)
     check_together(scene)
     return scene
 
@@ -124,12 +137,28 @@ def replace_keys(scene: Scene, changes: Mapping[str, Any]) -> Scene:
 
 
 def plain_tables(scene: Scene) -> dict[str, dict[str, Any]]:
-    """The scene as nested tables of plain values; ``build_scene`` gives an equal scene."""
-    return {table: plain(struct) for table, struct in scene.tables().items()}
+    """The scene as nested tables of plain values; ``build_scene`` gives an equal scene.
+
+    What [material] gives is left out of [rod] and [drop].
+    """
+    known = {} if scene.material is None else derived(scene.material)
+    return {
+        table: plain_material(struct)
+        if isinstance(struct, Material)
+        else {
+            name: plain(value)
+            for name in struct.__struct_fields__
+            for value in [getattr(struct, name)]
+            if (table, name) not in known or known[table, name].value != value
+        }
+        for table, struct in scene.tables().items()
+    }
 
 
 def plain(value: Any) -> Any:
     """``value`` as TOML would give it: tables, lists and numbers of numpy's and ours made plain."""
+    if isinstance(value, Material):
+        return plain_material(value)
     if isinstance(value, Table):
         return {name: plain(getattr(value, name)) for name in value.__struct_fields__}
     if isinstance(value, Mapping):
@@ -142,7 +171,7 @@ def plain(value: Any) -> Any:
 
 
 def _read_table(table: str, data: Mapping[str, Any], path: str | None) -> Table:
-    keys, struct = KEYS[table], TABLES[table]
+    keys, struct = ALL_KEYS[table], TABLES[table]
     for name in data:
         if name not in keys:
             raise _unknown_key(table, name, path)
@@ -185,19 +214,19 @@ def _required(struct: type[Table]) -> set[str]:
 
 
 def _unknown_table(name: str, path: str | None) -> SceneError:
-    homes = [table for table, keys in KEYS.items() if name in keys]
-    allowed = f"[{homes[0]}] {name}" if homes else f"the tables {_listed(KEYS)}"
-    return SceneError(f"is unknown{_nearest(name, KEYS)}", file=path, key=name, allowed=allowed)
+    homes = [table for table, keys in ALL_KEYS.items() if name in keys]
+    allowed = f"[{homes[0]}] {name}" if homes else f"the tables {_listed(ALL_KEYS)}"
+    return SceneError(f"is unknown{_nearest(name, ALL_KEYS)}", file=path, key=name, allowed=allowed)
 
 
 def _unknown_key(table: str, name: str, path: str | None) -> SceneError:
-    homes = [other for other, keys in KEYS.items() if name in keys]
-    hint = f" (it belongs to [{homes[0]}])" if homes else _nearest(name, KEYS[table])
+    homes = [other for other, keys in ALL_KEYS.items() if name in keys]
+    hint = f" (it belongs to [{homes[0]}])" if homes else _nearest(name, ALL_KEYS[table])
     return SceneError(
         f"is unknown{hint}",
         file=path,
         key=f"{table}.{name}",
-        allowed=f"the keys {_listed(KEYS[table])} of [{table}]",
+        allowed=f"the keys {_listed(ALL_KEYS[table])} of [{table}]",
     )
 
 

@@ -1,7 +1,7 @@
 """The tables of a scene file as frozen objects.
 
 Lengths are in D (the drop's diameter), forces in K0/D^2, stiffnesses in K0, energies in K0/D,
-angles in radians.
+angles in radians; those of ``Material`` alone are in SI.
 """
 
 from __future__ import annotations
@@ -12,9 +12,40 @@ from typing import Any
 
 import msgspec
 
+from derod.scene.units import Measured
+
 
 class Table(msgspec.Struct, frozen=True, kw_only=True):
     """One table of a scene; its fields are the keys of the file."""
+
+
+class Material(Table, frozen=True, kw_only=True):
+    """The experiment in SI; ``derod.scene.material`` turns it into the numbers of the other tables."""
+
+    young_modulus: Measured
+    """E, Pa."""
+    poisson_ratio: Measured | None = None
+    """nu; None where ``rod.twisting`` is given."""
+    diameter: Measured | None = None
+    """d, m, of a circular section."""
+    width: Measured | None = None
+    """w, m, the longer side of a rectangular section."""
+    height: Measured | None = None
+    """h, m, its shorter side, the way it bends easily."""
+    surface_tension: Measured
+    """gamma, N/m, of the liquid in air."""
+    contact_angle: Measured
+    """theta, rad, of the liquid on the rod, below a right angle."""
+    drop_diameter: Measured
+    """D, m."""
+    length: Measured | None = None
+    """L, m, between the clamps; None where ``rod.length`` is given in D."""
+    drop_density: Measured | None = None
+    """Of the liquid, kg/m^3: only for what the model leaves out."""
+    rod_density: Measured | None = None
+    """kg/m^3: only for what the model leaves out."""
+    gravity: Measured = Measured(9.80665)
+    """g, m/s^2; the standard one."""
 
 
 class Rod(Table, frozen=True, kw_only=True):
@@ -103,6 +134,8 @@ class Model(Table, frozen=True, kw_only=True):
 class Scene(msgspec.Struct, frozen=True, kw_only=True, eq=False):
     """Everything a push needs to know. Two scenes are equal when all their tables are."""
 
+    material: Material | None = None
+    """Where the numbers of ``rod`` and ``drop`` come from, if they come from an experiment."""
     rod: Rod
     drop: Drop | None
     clamps: Clamps = Clamps()

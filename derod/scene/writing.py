@@ -3,21 +3,32 @@
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import Any
 
+from derod.scene.experiment import Group, group_errors
+from derod.scene.material import derived, plain_material
 from derod.scene.quantities import write_quantity
 from derod.scene.rules import QUANTITIES, covered_range
-from derod.scene.tables import Scene
+from derod.scene.tables import Material, Scene
 
 
 def dump_scene(scene: Scene) -> str:
-    """Canonical TOML of ``scene``, every key written out; ``parse_scene`` gives an equal scene."""
+    """Canonical TOML of ``scene``, every key written out; ``parse_scene`` gives an equal scene.
+
+    What [material] gives stands in [rod] and [drop] as comments.
+    """
     blocks = []
+    known = {} if scene.material is None else derived(scene.material)
     for table, struct in scene.tables().items():
         lines = [f"[{table}]"]
-        for name in struct.__struct_fields__:
-            angle = (table, name) in QUANTITIES
-            lines.append(f"{name} = {_toml(getattr(struct, name), angle)}")
+        if isinstance(struct, Material):
+            lines += [f"{name} = {_toml(x, False)}" for name, x in plain_material(struct).items()]
+        else:
+            for name in struct.__struct_fields__:
+                value = getattr(struct, name)
+                line = f"{name} = {_toml(value, (table, name) in QUANTITIES)}"
+                given = (table, name) in known and known[table, name].value == value
+                lines.append(f"# {line}  # from [material]" if given else line)
         blocks.append("\n".join(lines) + "\n")
     return "\n".join(blocks)
 
@@ -28,16 +39,8 @@ def _toml(value: Any, angle: bool) -> str:
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, str):
-        return f'"{value}"'  # only the names of methods are strings, nothing to escape
+        return f'"{value}"'  # names of methods and quantities with units, nothing to escape
     return write_quantity(value) if angle and isinstance(value, float) else repr(value)
-
-
-class Group(NamedTuple):
-    """A dimensionless number of a scene."""
-
-    symbol: str
-    value: float
-    meaning: str
 
 
 def dimensionless_groups(scene: Scene) -> list[Group]:
@@ -54,7 +57,7 @@ def dimensionless_groups(scene: Scene) -> list[Group]:
             Group("delta_max/l", high / rod.length, "largest end-shortening over length"),
         ]
     pull = drop.capillary_force / rod.bending
-    return [
+    groups = [
         Group("l", rod.length, "rod length over drop diameter"),
         Group("k3/K", rod.twisting / rod.bending, "twisting over bending stiffness"),
         Group("f_gamma D^2/K", pull, "capillary force; above 2 a coil on the wall pays off"),
@@ -69,4 +72,9 @@ def dimensionless_groups(scene: Scene) -> list[Group]:
         Group("delta_end/pi", (rod.length - 1.0) / math.pi, "where the outer rod about runs out"),
         Group("t_coil", drop.capillary_force - 2.0 * rod.bending,
               "tension of a coil on a hard wall, K0/D^2"),
+        Group("t_plateau",
+              drop.capillary_force - 2.0 * rod.bending / (1.0 + drop.wall_softness) ** 2,
+              "tension of a coil at (1 + rho)/2 as v0 -> 0, K0/D^2"),
     ]  # fmt: skip
+    errors = {} if scene.material is None else group_errors(scene, scene.material)
+    return [group._replace(error=errors.get(group.symbol, 0.0)) for group in groups]
