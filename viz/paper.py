@@ -24,13 +24,13 @@ import kymograph
 import longer
 import numpy as np
 import shapes
-from reading import branch_shape
 from stated import stated_table
 from style import THEMES, save
 from tqdm import tqdm
 
 import derod
 from derod.branches.compare import compare
+from derod.plots.reading import branch_shape
 
 ROOT = Path(__file__).resolve().parent.parent
 SCENES = ("text", "figures")

@@ -1,0 +1,1 @@
+"""Runs and branches for other programs: CSV tables, and VTK files for ParaView."""
