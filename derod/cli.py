@@ -25,6 +25,7 @@ COMMANDS: tuple[str, ...] = (
     "derod.stream.cli:add_view_parser",
     "derod.plots.cli:add_plot_parser",
     "derod.plots.cli:add_movie_parser",
+    "derod.export.cli:add_export_parser",
 )
 """More commands, as "module:function"; the function is given the sub-parsers to add itself to."""
 

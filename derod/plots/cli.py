@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from derod.exits import DONE, UsageError
-from derod.plots.kinds import KINDS
+from derod.plots.kinds import KINDS, need_matplotlib, read_places
 
 
 def add_plot_parser(commands: Any) -> None:
@@ -45,7 +45,8 @@ def add_plot_parser(commands: Any) -> None:
 
 def run_plot(args: argparse.Namespace) -> int:
     """Carry out ``derod plot``."""
-    from derod.plots import plot
+    from derod.export.output import check_target
+    from derod.plots import ENDINGS, plot
     from derod.plots.reading import open_files
 
     if args.kind not in KINDS:
@@ -54,11 +55,14 @@ def run_plot(args: argparse.Namespace) -> int:
     output = args.output
     if output is None and not args.show:
         output = str(first.with_name(f"{first.stem}-{args.kind}.png"))
+    if output is not None:
+        check_target(Path(output), args.force, ENDINGS)
+    places = read_places(args.at, "--at") if args.at.strip() else ()
     with open_files(args.files) as files:
         plot(
             args.kind,
             [*files.runs, *files.branches],
-            at=args.at if args.at.strip() else (),
+            at=places,
             paths=[name.strip() for name in args.paths.split(",") if name.strip()],
             every=args.every,
             output=output,
@@ -94,10 +98,12 @@ def add_movie_parser(commands: Any) -> None:
 
 def run_movie(args: argparse.Namespace) -> int:
     """Carry out ``derod movie``."""
-    from derod.plots.kinds import need_matplotlib
     from derod.record import open_run
+    from derod.stream.replay import is_branch_file
 
     need_matplotlib()
+    if is_branch_file(args.file):
+        raise UsageError(f"{args.file}: is a branch file; allowed: a run file (derod push)")
     first = Path(args.file)
     output = args.output or str(first.with_name(f"{first.stem}-movie.gif"))
     with open_run(args.file) as run:

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from derod.plots.kinds import Options
-from derod.plots.reading import abscissa
+from derod.plots.reading import abscissa, event_row
 from derod.plots.style import LABELS, Theme
 
 NAMES = {
@@ -66,7 +66,7 @@ def draw(
     axes.set_xlim(first, max(float(x.max()), float(x.min()) + 1e-9))
     axes.set_ylim(0, 1.04 * max(float(run.table["energy_hat"].max()), 1e-9))
     axes.set_xlabel(label)
-    axes.set_ylabel(LABELS["energy_hat"])
+    axes.set_ylabel(LABELS["energy_hat"] if run.scene.drop is not None else LABELS["energy"])
     figure.legend(loc="outside upper center", ncols=3, fontsize=9.5)
 
 
@@ -74,7 +74,7 @@ def mark_events(axes: Axes, run: Any, x: np.ndarray, theme: Theme) -> None:
     """Kicks, snaps and turns as dotted lines, their names above the panel: nothing is covered."""
     for event in run.events:
         if event.kind in LINES:
-            where = float(x[min(event.increment, len(x) - 1)])
+            where = float(x[event_row(run, event)])
             axes.axvline(where, color=theme.ink, linewidth=0.8, linestyle=(0, (2, 3)), gid="event")
             axes.annotate(
                 LINES[event.kind],

@@ -59,8 +59,11 @@ class Options:
     every: int = 1
 
 
-def read_places(at: Sequence[str | float] | str) -> tuple[float, ...]:
-    """End-shortenings (D) from numbers, from texts such as "0.5 pi", or from "0.5 pi, 1 pi"."""
+def read_places(at: Sequence[str | float] | str, key: str = "at") -> tuple[float, ...]:
+    """End-shortenings (D) from numbers, from texts such as "0.5 pi", or from "0.5 pi, 1 pi".
+
+    Raises UsageError, which calls them ``key``.
+    """
     parts: Sequence[Any] = at.split(",") if isinstance(at, str) else at
     out = []
     for part in parts:
@@ -68,7 +71,7 @@ def read_places(at: Sequence[str | float] | str) -> tuple[float, ...]:
             out.append(read_quantity(part))
         except ValueError as error:
             raise UsageError(
-                f"at = {part!r}: {error}; allowed: end-shortenings (D) such as 0.5 pi or 1.2, "
+                f"{key} = {part!r}: {error}; allowed: end-shortenings (D) such as 0.5 pi or 1.2, "
                 "separated by commas"
             ) from None
     return tuple(out)
@@ -93,23 +96,28 @@ def need_matplotlib() -> None:
 def check_files(kind: str, runs: Sequence[Any], branches: Sequence[Any], options: Options) -> None:
     """Raise UsageError where the files cannot give this kind of picture, or have no such state."""
     wanted = KINDS[kind]
-    for files, (least, most), sort in (
-        (runs, wanted.runs, "a run file"),
-        (branches, wanted.branches, "a branch file"),
-    ):
+    sorts = (
+        (runs, wanted.runs, "a run file", "derod push"),
+        (branches, wanted.branches, "a branch file", "derod branch"),
+    )
+    for files, (_, most), sort, _ in sorts:
         if len(files) > most:
             raise UsageError(
-                f"{file_name(files[int(most)])}: is {sort} too many for {kind}; "
-                f"allowed: {wanted.wants}"
+                f"{file_name(files[int(most)])}: is {sort}{' too many' if most else ''}; "
+                f"allowed for {kind}: {wanted.wants}"
             )
+    for files, (least, _), sort, command in sorts:
         if len(files) < least:
-            missing = "derod push" if sort == "a run file" else "derod branch"
-            raise UsageError(f"{kind}: {sort} ({missing}) is missing; allowed: {wanted.wants}")
+            raise UsageError(f"{kind}: {sort} ({command}) is missing; allowed: {wanted.wants}")
     if not runs and not branches:
         raise UsageError(f"{kind}: a file is missing; allowed: {wanted.wants}")
     for run in runs:
         if not len(run):
             raise UsageError(f"{file_name(run)}: has no increment to draw")
+    if options.paths and not branches:
+        raise UsageError(
+            f"paths = {', '.join(options.paths)}: names branches, and no branch file is given"
+        )
     for file in branches:
         for name in options.paths:
             if name not in file:

@@ -28,7 +28,7 @@ ENDINGS = ("gif", "mp4")
 TURNS = 0.75  # of the eye about the clamps' axis, over the movie
 HOLD = 0.12  # of the frames show the end
 COLORS = 160  # of a GIF's palette
-DPI = 100
+INCHES = 6.4  # wide, whatever the pixels: letters grow with the picture
 LIMITS = {"frames": (2, 5000), "rate": (1, 50), "width": (160, 4096)}
 
 
@@ -81,7 +81,7 @@ def paint(run: Any, frames: int, width: int, theme: Theme) -> Iterator[np.ndarra
     width += width % 2
     height = 2 * round(0.23 * width)
     with rc_context(look(theme)):
-        figure = Figure(figsize=(width / DPI, height / DPI), dpi=DPI)
+        figure = Figure(figsize=(INCHES, INCHES * height / width), dpi=width / INCHES)
         canvas = FigureCanvasAgg(figure)
         delta = run.table["end_shortening"]
         begin = coil_angle(run_shape(run, float(delta[-1])))
@@ -99,7 +99,7 @@ def draw_frame(figure: Figure, run: Any, i: int, angle: float, theme: Theme) -> 
     figure.clear()
     shape = run_shape_at(run, i)
     paint_coil(figure.add_axes((0.0, 0.0, 0.6, 1.0)), shape, theme, angle)
-    draw_curve(figure.add_axes((0.685, 0.2, 0.295, 0.65)), run, i, theme)
+    draw_curve(figure.add_axes((0.685, 0.2, 0.285, 0.58)), run, i, theme)
 
 
 def paint_coil(axes: Axes, shape: Shape, theme: Theme, angle: float) -> None:
@@ -126,7 +126,9 @@ def draw_curve(axes: Axes, run: Any, i: int, theme: Theme) -> None:
     axes.set_xlabel(LABELS["delta"])
     axes.set_ylabel(LABELS["end_tension"])
     axes.set_title(
-        rf"$\delta$ = {delta[i]:.2f}$\,\pi\,D$     $t$ = {t[i]:.2f}$\,K_0/D^2$", fontsize=12, pad=8
+        rf"$\delta$ = {delta[i]:.2f}$\,\pi\,D$" "\n" rf"$t = {t[i]:.2f}\,K_0/D^2$",
+        fontsize=12,
+        pad=8,
     )
 
 

@@ -23,6 +23,7 @@ RADIUS = 0.021  # D
 FINEST = 0.012  # D between rings
 LIGHT = unit(np.array([-0.45, 0.75, 0.6]))  # in view: right, up, toward the eye
 DISCS = 48
+TALL = 0.795  # of the reach to the sides, up and down
 
 
 @dataclass(frozen=True)
@@ -163,7 +164,7 @@ def paint_shape(
         if abs(at[0]) < reach:
             paint_clamp(axes, at, radius, -1 if end == 0 else 1)
     axes.set_xlim(-reach, reach)
-    axes.set_ylim(-0.62, 0.62)
+    axes.set_ylim(-TALL * reach, TALL * reach)
     axes.set_aspect("equal")
     axes.set_axis_off()
 

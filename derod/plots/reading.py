@@ -170,6 +170,12 @@ def abscissa(run: Any) -> tuple[np.ndarray, str]:
     return np.arange(len(delta), dtype=float), LABELS["increment"]
 
 
+def event_row(run: Any, event: Any) -> int:
+    """The increment at which an event is drawn: the one after it, for turning points the one before."""
+    i = event.increment - (event.kind == "turn")
+    return int(np.clip(i, 0, len(run) - 1))
+
+
 def stretches(
     flags: Sequence[bool] | np.ndarray, neutral: Sequence[int] | np.ndarray = ()
 ) -> list[tuple[int, int, bool]]:

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 
 from derod.exits import UsageError
 from derod.plots.kinds import Options, file_name, written
-from derod.plots.painter import paint_shape, turned
+from derod.plots.painter import RADIUS, paint_shape, turned
 from derod.plots.path import family
 from derod.plots.reading import Shape, label, landing_shapes, run_shape
 from derod.plots.style import Theme, path_color
@@ -92,7 +92,9 @@ def draw_shapes(
         color = path_color(theme, shape.name or "3D")
         for k, turn in enumerate(VIEWS):
             axes = figure.add_subplot(cell[k])
-            paint_shape(axes, shape, turned(facing + turn), theme, color, reach=reach)
+            paint_shape(
+                axes, shape, turned(facing + turn), theme, color, RADIUS * reach / REACH, reach
+            )
             axes.set_gid(f"view {k}")
             if k == 0:
                 axes.set_title(title(shape, name), fontsize=11, pad=2)

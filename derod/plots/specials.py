@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
+from derod.plots.reading import event_row
 from derod.plots.style import Theme
 
 SPECIALS = {
@@ -79,14 +80,13 @@ def draw_specials(
 
 
 def draw_events(axes: Axes, run: Any, theme: Theme, quantity: str) -> None:
-    """Kicks, snaps, turning points and warnings of a push, at the increment that follows each.
+    """Kicks, snaps, turning points and warnings of a push, at the increment of each (``event_row``).
 
     A snap has a thin dotted line from the state before it.
     """
     table = run.table
     for kind, (marker, size, text) in EVENTS.items():
-        after = [event.increment for event in run.events if event.kind == kind]
-        after = sorted({min(i, len(table) - 1) for i in after})
+        after = sorted({event_row(run, event) for event in run.events if event.kind == kind})
         if not after:
             continue
         axes.plot(

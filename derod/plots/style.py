@@ -67,6 +67,7 @@ LABELS = {
     "end_tension": r"tension  $t$   ($K_0/D^2$)",
     "energy_hat": r"energy  $\hat{E}$   ($K_0/D$)",
     "increment": "increment  (the push turns back)",
+    "energy": r"energy  $E$   ($K_0/D$)",
     "s": r"arc length from the middle  $s$   ($D$)",
     "curvature": r"curvature  $\kappa$   ($1/D$)",
     "edge_tension": r"tension  $\mathbf{n}\cdot\mathbf{d}_3$   ($K_0/D^2$)",
