@@ -54,6 +54,8 @@ class Branch:
 class File(dict):
     """Looks like ``derod.open_branches(path)``."""
 
+    path = "branches.h5"
+
     class parameters:  # noqa: N801
         capillary_force = 20.0
 
