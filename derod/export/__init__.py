@@ -2,9 +2,11 @@
 
 ::
 
-    derod.export.export(run, "coil.csv")
-    derod.export.export(run, "vtk/coil.pvd")
-    derod.export.export(branches, "branches.csv")
+    from derod.export import export
+
+    export(run, "coil.csv")
+    export(run, "vtk/coil.pvd")
+    export(branches, "branches.csv")
 """
 
 from __future__ import annotations

@@ -54,7 +54,7 @@ def draw_errors(figure: Figure, results: Sequence[tuple[str, np.ndarray]], theme
         axes.set_ylabel(text)
     panels[-1].set_xlabel(LABELS["delta"])
     handles, labels = panels[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper center", ncols=4, fontsize=9.5)
+    figure.legend(handles, labels, loc="outside upper center", ncols=5, fontsize=9.5)
 
 
 def draw_rows(axes: Axes, rows: np.ndarray, name: str, marker: str, run: str, theme: Theme) -> None:
