@@ -124,6 +124,7 @@ def branch_shape_at(branch: Any, i: int) -> Shape:
         float(row["end_tension"]),
         float(row["energy_hat"]),
         branch.name,
+        0.5 * (1 + branch.parameters.wall_softness),
     )
 
 
