@@ -23,6 +23,9 @@ COMMANDS: tuple[str, ...] = (
     "derod.branches.cli:add_branch_parser",
     "derod.branches.cli:add_compare_parser",
     "derod.stream.cli:add_view_parser",
+    "derod.plots.cli:add_plot_parser",
+    "derod.plots.cli:add_movie_parser",
+    "derod.export.cli:add_export_parser",
 )
 """More commands, as "module:function"; the function is given the sub-parsers to add itself to."""
 

@@ -14,8 +14,6 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
-from reading import HARD_WALL, branch_shape, open_files, stretches
 from style import (
     LABELS,
     THEMES,
@@ -29,8 +27,10 @@ from style import (
     use,
 )
 
-QUANTITIES = ("end_tension", "energy_hat")
-DASHES = (0, (4, 2))
+from derod.plots.path import QUANTITIES, add_legend, draw_branch, draw_plateau
+from derod.plots.reading import branch_shape, open_files
+from derod.plots.specials import draw_specials
+
 LIMITS = {"end_tension": (-2.0, 24.0), "energy_hat": (0.0, 42.0)}
 MARKS = (
     ("3D", 0.5, "o", "full"), ("3D-L2", 2.6, "o", "none"),
@@ -61,27 +61,6 @@ def figure(
     return made
 
 
-def add_legend(made: Figure, axes: Axes) -> None:
-    """One legend above the panels: hues are paths, dashes are instability."""
-    shown = dict(zip(*reversed(axes.get_legend_handles_labels()), strict=True))
-    handles = []
-    for label, line in shown.items():
-        plain = Line2D([], [])
-        plain.update_from(line)
-        if line.get_marker() in ("None", None, ""):
-            plain.set(linestyle="-", linewidth=2.2)
-        plain.set_label(label)
-        handles.append(plain)
-    ink = axes.yaxis.label.get_color()
-    for kind in ("unstable", "planar"):
-        if any((line.get_gid() or "").endswith(f" {kind}") for line in axes.get_lines()):
-            dashed = Line2D([], [], color=ink, linewidth=1.1, linestyle=DASHES, label=kind)
-            handles.append(dashed)
-    made.legend(
-        handles=handles, loc="outside upper center", ncols=5, fontsize=9.5, handlelength=2.2
-    )
-
-
 def panel(
     axes: Axes,
     runs: Sequence[Any],
@@ -106,64 +85,6 @@ def panel(
     ends = [run.table["end_shortening"].max() / np.pi for run in runs]
     ends += [file["Ax"].table["end_shortening"].max() / np.pi for file in branches if "Ax" in file]
     axes.set_xlim(0, 1.04 * max(ends, default=3.0))
-
-
-def draw_branch(axes: Axes, name: str, branch: Any, theme: Theme, quantity: str) -> None:
-    """A path: solid where it is stable, dashed where not.
-
-    Where nobody counted the unstable modes it is drawn as the paper does: planar paths dashed.
-    """
-    table = branch.table
-    modes = table["unstable_modes"]
-    counted = bool((modes >= 0).all())
-    solid = modes == 0 if counted else np.full(len(modes), name.startswith(("3D", "Tri")))
-    label: str | None = family(name)
-    if label in [line.get_label() for line in axes.get_lines()]:
-        label = None
-    for first, last, full in stretches(solid, branch.bifurcations["index"]):
-        kind = ("stable" if full else "unstable") if counted else ("space" if full else "planar")
-        axes.plot(
-            table["end_shortening"][first : last + 1] / np.pi,
-            table[quantity][first : last + 1],
-            color=path_color(theme, name),
-            linestyle="-" if full else DASHES,
-            linewidth=2.2 if full and counted else 1.1,
-            label=label,
-            gid=f"branch {name} {kind}",
-            zorder=4 if full else 3,
-        )
-        label = None
-
-
-def family(name: str) -> str:
-    """The path's name in the paper, as the legend has it."""
-    if name.startswith("3D"):
-        return "3D"
-    return {"Ax": r"$Ax$", "L2": r"$L_2$", "Pt": r"$P_t$"}.get(name, name)
-
-
-def draw_specials(axes: Axes, file: Any, theme: Theme, quantity: str) -> None:
-    """Pitchforks between stored paths and folds."""
-    for kind, marker, size in (("pitchfork", "o", 5.0), ("fold", "|", 8.0)):
-        points = [
-            (row["end_shortening"] / np.pi, row[quantity])
-            for branch in file.values()
-            for row in branch.bifurcations
-            if row["kind"].decode() == kind and (kind == "fold" or row["partner"])
-        ]
-        if points:
-            axes.plot(
-                *np.array(points).T,
-                marker,
-                markersize=size,
-                color=theme.paper if kind == "pitchfork" else theme.ink,
-                markeredgecolor=theme.ink,
-                markeredgewidth=1.0,
-                linestyle="none",
-                label=kind if axes.get_subplotspec().rowspan.start == 0 else None,
-                gid=f"specials {kind}",
-                zorder=6,
-            )
 
 
 def draw_marks(axes: Axes, file: Any, theme: Theme, quantity: str) -> None:
@@ -201,25 +122,6 @@ def draw_run(axes: Axes, run: Any, theme: Theme, quantity: str, *, many: bool) -
         gid="run",
         zorder=7,
     )
-
-
-def draw_plateau(axes: Axes, runs: Sequence[Any], branches: Sequence[Any], theme: Theme) -> None:
-    """The tension of the hard-wall limit, f_gamma - 2."""
-    forces = {run.scene.drop.capillary_force for run in runs if run.scene.drop is not None}
-    forces |= {file.parameters.capillary_force for file in branches}
-    for force in forces:
-        axes.axhline(force - HARD_WALL, color=theme.faint, linewidth=1.0, zorder=1, gid="plateau")
-        axes.annotate(
-            r"$f_\gamma-2$",
-            (1.0, force - HARD_WALL),
-            xycoords=("axes fraction", "data"),
-            xytext=(-2, 3),
-            textcoords="offset points",
-            ha="right",
-            fontsize=9.5,
-            color=theme.ink,
-            alpha=0.7,
-        )
 
 
 def main(arguments: list[str] | None = None) -> int:

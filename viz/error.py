@@ -12,10 +12,10 @@ from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
-from reading import open_files
 from style import LABELS, THEMES, Theme, add_output, new_figure, parsed, save, started, use
 
 from derod.branches.compare import compare
+from derod.plots.reading import open_files
 
 PANELS = {
     "tension_error": r"$|\Delta t|\,/\,\max(1,t)$",

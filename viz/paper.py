@@ -24,7 +24,6 @@ import kymograph
 import longer
 import numpy as np
 import shapes
-from reading import branch_shape
 from stated import stated_table
 from style import THEMES, save
 from tqdm import tqdm
@@ -34,6 +33,7 @@ from derod.branches.compare import compare
 from derod.cli import carry_out
 from derod.frames import Outcome
 from derod.outputs import replacing
+from derod.plots.reading import branch_shape
 from derod.stream.replay import is_branch_file
 from derod.terminal import say
 

@@ -11,58 +11,20 @@ import sys
 from collections.abc import Sequence
 
 import numpy as np
-from diagram import family
 from matplotlib.figure import Figure
-from painter import paint_shape, turned
-from reading import Shape, branch_shape, open_files, run_shape
-from style import THEMES, Theme, add_output, parsed, path_color, save, started, use
+from style import THEMES, Theme, add_output, new_figure, parsed, save, started, use
 
-VIEWS = (0.35, 1.92)  # rad, the eye's turns from the coil's axis, about the clamps' axis
+from derod.plots.path import family
+from derod.plots.reading import Shape, branch_shape, open_files, run_shape
+from derod.plots.shapes import draw_shapes
 
 
 def figure(shapes: Sequence[Shape], theme: Theme, columns: int = 2) -> Figure:
     """Each shape in two views, one below the other."""
     use(theme)
-    import matplotlib.pyplot as plt
-
-    columns = min(columns, len(shapes))
-    rows = -(-len(shapes) // columns)
-    made = plt.figure(figsize=(3.5 * columns, 5.6 * rows))
-    grid = made.add_gridspec(
-        2 * rows, columns, left=0, right=1, bottom=0, top=1 - 0.06 / rows, hspace=0.02, wspace=0.02
-    )
-    for number, shape in enumerate(shapes):
-        row, column = divmod(number, columns)
-        facing = coil_angle(shape)
-        for k, turn in enumerate(VIEWS):
-            axes = made.add_subplot(grid[2 * row + k, column])
-            paint_shape(
-                axes, shape, turned(facing + turn), theme, path_color(theme, shape.name or "3D")
-            )
-            if k == 0:
-                axes.set_title(title(shape), fontsize=11.5, pad=2)
+    made = new_figure(1, 1)  # the drawing sets the size
+    draw_shapes(made, shapes, [family(shape.name) for shape in shapes], theme, columns)
     return made
-
-
-def coil_angle(shape: Shape) -> float:
-    """The direction about the clamps' axis in which the coil is thinnest, radians.
-
-    Solutions may be turned about the axis at no cost; this makes their pictures comparable.
-    """
-    x = shape.positions - shape.drop_center
-    inside = (shape.arc_length > shape.menisci[0]) & (shape.arc_length < shape.menisci[1])
-    spread = np.cov(x[inside][:, :2].T)
-    _, modes = np.linalg.eigh(spread)
-    return float(np.arctan2(modes[1, 0], modes[0, 0]))
-
-
-def title(shape: Shape) -> str:
-    """Which state this is."""
-    head = f"{family(shape.name)}:  " if shape.name else ""
-    return (
-        rf"{head}$\delta$ = {shape.end_shortening / np.pi:.3g}$\,\pi$,  "
-        rf"$t$ = {shape.end_tension:.2f},  $\hat{{E}}$ = {shape.energy_hat:.2f}"
-    )
 
 
 def main(arguments: list[str] | None = None) -> int:

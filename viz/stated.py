@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from reading import HARD_WALL, planar_intervals
 
 import derod
+from derod.plots.reading import HARD_WALL, planar_intervals
 
 HEAD = (
     "| quantity | paper | branches, $v_0 = 2\\cdot10^{-4}$ | push | "

@@ -14,7 +14,7 @@ from __future__ import annotations
 from dataclasses import fields
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import h5py
 import numpy as np
@@ -28,6 +28,7 @@ from derod.errors import RecordError
 
 if TYPE_CHECKING:
     from derod.branches.branch import Branch
+    from derod.plots.picture import Picture
 
 FORMAT = "derod-branches-2"
 POINT = np.dtype(
@@ -171,6 +172,12 @@ class BranchFile:
     def keys(self) -> list[str]:
         """The branches' names."""
         return list(self.names)
+
+    def plot(self, kind: str = "path", *others: Any, **options: Any) -> Picture:
+        """Draw the branches, with ``others`` (runs) beside them; see ``derod.plots.plot``."""
+        from derod.plots import plot
+
+        return plot(kind, [self, *others], **options)
 
     def close(self) -> None:
         """Close the file."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from derod.record import layout
 from derod.scene import Scene
 
 if TYPE_CHECKING:
+    from derod.plots.picture import Picture
     from derod.si import SIReading
 
 
@@ -95,6 +96,12 @@ class BaseRun(ABC):
             drop_center=self.drop_center(i),
             edge_tension=self.edge_tension(i),
         )
+
+    def plot(self, kind: str = "path", *others: Any, **options: Any) -> Picture:
+        """Draw the run, with ``others`` (runs, branch files) beside it; see ``derod.plots.plot``."""
+        from derod.plots import plot
+
+        return plot(kind, [self, *others], **options)
 
     def refresh(self) -> Self:
         """Take in what was recorded since; returns the run itself."""

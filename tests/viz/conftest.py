@@ -31,6 +31,9 @@ SPECIAL = [
 class Branch:
     """Looks like a branch of ``derod.open_branches``."""
 
+    class parameters:  # noqa: N801
+        wall_softness = 0.1
+
     def __init__(self, name, delta, t, energy, modes, specials=()):
         self.name = name
         self.table = np.zeros(len(delta), POINT)
@@ -53,6 +56,8 @@ class Branch:
 
 class File(dict):
     """Looks like ``derod.open_branches(path)``."""
+
+    path = "branches.h5"
 
     class parameters:  # noqa: N801
         capillary_force = 20.0

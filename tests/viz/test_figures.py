@@ -14,7 +14,7 @@ def lines(axes, start):
 
 @pytest.fixture(params=["light", "dark"])
 def theme(request):
-    from style import THEMES
+    from derod.plots.style import THEMES
 
     return THEMES[request.param]
 
@@ -26,7 +26,7 @@ def test_diagram(run, branches, theme):
     tension, energy = made.axes
     assert tension.get_ylabel() == r"tension  $t$   ($K_0/D^2$)"
     assert energy.get_ylabel() == r"energy  $\hat{E}$   ($K_0/D$)"
-    assert energy.get_xlabel() == r"end-shortening  $\delta/\pi$"
+    assert energy.get_xlabel() == r"end-shortening  $\delta/\pi$   ($D$)"
     stable, unstable = lines(tension, "branch Ax stable"), lines(tension, "branch Ax unstable")
     assert stable[0].get_linestyle() == "-"
     assert unstable[0].get_linestyle() == "--"
@@ -48,7 +48,8 @@ def test_diagram(run, branches, theme):
 
 def test_diagram_of_branches_that_nobody_counted(branches):
     import diagram
-    from style import LIGHT
+
+    from derod.plots.style import LIGHT
 
     for branch in branches.values():
         branch.table["unstable_modes"] = -1
@@ -64,7 +65,8 @@ def test_colours_of_a_theme_differ(theme):
 
 def test_shapes(run, branches, theme):
     import shapes
-    from reading import branch_shape, run_shape
+
+    from derod.plots.reading import branch_shape, run_shape
 
     states = [run_shape(run, 2.0), branch_shape(branches["3D"], 2.0)]
     assert states[0].end_shortening == pytest.approx(2.0)
@@ -79,15 +81,16 @@ def test_shapes(run, branches, theme):
         assert axes.collections[0].get_gid() == "tube"
         assert axes.get_aspect() == 1
     titles = [axes.get_title() for axes in made.axes if axes.get_title()]
-    assert titles[0].startswith(r"$\delta$ = 0.637$\,\pi$")
+    assert titles[0].startswith(r"$\delta$ = 0.6366$\,\pi$")
     assert titles[1].startswith("3D:")
 
 
 def test_the_tube_is_painted_back_to_front(run):
     import shapes
-    from painter import finer, tube_in_view, turned
-    from reading import run_shape
-    from style import LIGHT
+
+    from derod.plots.painter import finer, tube_in_view, turned
+    from derod.plots.reading import run_shape
+    from derod.plots.style import LIGHT
 
     shape = run_shape(run, 2.0)
     eye = turned(0.7)
@@ -104,7 +107,8 @@ def test_the_tube_is_painted_back_to_front(run):
 
 def test_clamps_are_drawn_where_the_rod_ends_in_view(run):
     import cover
-    from style import DARK
+
+    from derod.plots.style import DARK
 
     made = cover.figure(run, 3.0, DARK)
     assert "clamp" not in [patch.get_gid() for patch in made.axes[0].patches]
@@ -117,7 +121,9 @@ def test_clamps_are_drawn_where_the_rod_ends_in_view(run):
 def test_energies_add_up(run, theme):
     import energies
 
-    assert sum(energies.parts(run).values()) == pytest.approx(run.table["energy_hat"])
+    from derod.plots.energies import parts
+
+    assert sum(parts(run).values()) == pytest.approx(run.table["energy_hat"])
     axes = energies.figure(run, theme).axes[0]
     assert [c.get_label() for c in axes.collections][:3] == ["bending", "twist", "soft wall"]
     assert lines(axes, "event")[0].get_xdata()[0] == pytest.approx(1.1 / np.pi)
@@ -126,8 +132,10 @@ def test_energies_add_up(run, theme):
 def test_kymograph(run, theme):
     import kymograph
 
-    s, kappa, tension = kymograph.images(run, 3.0)
-    assert kappa.shape == tension.shape == (kymograph.PIXELS, 30)
+    from derod.plots.kymograph import PIXELS, images
+
+    s, kappa, tension = images(run, 3.0)
+    assert kappa.shape == tension.shape == (PIXELS, 30)
     assert abs(s).max() == 3.0
     assert tension[s.searchsorted(0), 5] == -5
     assert tension[0, 5] == 15
@@ -155,8 +163,9 @@ def test_error_panels(theme):
 
 def test_planar_intervals_and_the_diagram_of_the_longer_rod(run):
     import longer
-    from reading import planar_intervals
-    from style import LIGHT
+
+    from derod.plots.reading import planar_intervals
+    from derod.plots.style import LIGHT
 
     spans = planar_intervals(run)
     assert spans == [pytest.approx((0.1, 1.0))]
@@ -168,7 +177,7 @@ def test_planar_intervals_and_the_diagram_of_the_longer_rod(run):
 
 
 def test_stretches_change_at_neutral_points_and_share_them():
-    from reading import stretches
+    from derod.plots.reading import stretches
 
     assert stretches([True, True, False, False, True]) == [(0, 1, True), (1, 4, False)]
     for at_the_point in (True, False):
@@ -177,29 +186,11 @@ def test_stretches_change_at_neutral_points_and_share_them():
     assert stretches([True]) == []
 
 
-def test_movie_frames(run, tmp_path):
-    import movie
-    from style import DARK
-
-    moments = movie.moments(run, 20)
-    assert len(moments) == 20
-    assert moments[0] == pytest.approx(0.1)
-    assert moments[-1] == moments[-2] == pytest.approx(3.0)
-    pictures = movie.paint(run, 3, 320, DARK)
-    assert len(pictures) == 3
-    assert pictures[0].shape[1] == 320
-    assert not np.array_equal(pictures[0], pictures[-1])
-    out = tmp_path / "a.gif"
-    movie.write_gif(pictures, str(out), 20, 32)
-    from PIL import Image
-
-    with Image.open(out) as image:
-        assert image.n_frames == 3
-
-
 def test_files_are_written_as_vectors_and_pixels(run, tmp_path):
     import energies
-    from style import LIGHT, save
+    from style import save
+
+    from derod.plots.style import LIGHT
 
     save(energies.figure(run, LIGHT), [tmp_path / "a.pdf", tmp_path / "b" / "a.png"])
     assert (tmp_path / "a.pdf").read_bytes().startswith(b"%PDF")

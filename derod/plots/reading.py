@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 import derod
+from derod.plots.style import LABELS
 from derod.stream.replay import is_branch_file
 
 HARD_WALL = 2.0  # the plateau of the hard-wall limit is f_gamma - 2, K0/D^2
@@ -21,6 +23,13 @@ class Files:
 
     runs: list[Any] = field(default_factory=list)
     branches: list[Any] = field(default_factory=list)
+
+    def __enter__(self) -> Files:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        for file in (*self.runs, *self.branches):
+            file.close()
 
 
 def open_files(paths: Iterable[str]) -> Files:
@@ -36,7 +45,10 @@ def open_files(paths: Iterable[str]) -> Files:
 
 @dataclass(frozen=True)
 class Shape:
-    """One configuration: nodes (k, 3), their arc length (k,), the drop and the menisci."""
+    """One configuration: nodes (k, 3), their arc length (k,), the drop and the menisci, D.
+
+    Without a drop its centre and the menisci are nan.
+    """
 
     positions: np.ndarray
     arc_length: np.ndarray
@@ -46,6 +58,26 @@ class Shape:
     end_tension: float
     energy_hat: float
     name: str = ""
+    wall: float = float("nan")  # distance from the drop's centre at which the soft wall is singular
+
+    @property
+    def wet(self) -> bool:
+        """Whether there is a drop."""
+        return bool(np.isfinite(self.drop_center).all())
+
+    @property
+    def center(self) -> np.ndarray:
+        """The drop's centre (3,), or the middle between the clamps, D."""
+        if self.wet:
+            return self.drop_center
+        return np.asarray(0.5 * (self.positions[0] + self.positions[-1]))
+
+    @property
+    def coiled(self) -> np.ndarray:
+        """Which nodes (k,) lie in the drop; all of them without one."""
+        if not self.wet:
+            return np.ones(self.arc_length.size, dtype=bool)
+        return (self.arc_length > self.menisci[0]) & (self.arc_length < self.menisci[1])
 
 
 def run_shape(run: Any, end_shortening: float) -> Shape:
@@ -65,6 +97,7 @@ def run_shape_at(run: Any, i: int) -> Shape:
         float(row["end_shortening"]),
         float(row["end_tension"]),
         float(row["energy_hat"]),
+        wall=float("nan") if run.scene.drop is None else 0.5 * (1 + run.scene.drop.wall_softness),
     )
 
 
@@ -91,7 +124,57 @@ def branch_shape_at(branch: Any, i: int) -> Shape:
         float(row["end_tension"]),
         float(row["energy_hat"]),
         branch.name,
+        0.5 * (1 + branch.parameters.wall_softness),
     )
+
+
+def landing_shapes(branch: Any, end_shortening: float) -> list[Shape]:
+    """The states of a branch at an end-shortening (D), solved there; none where it has none."""
+    from derod.branches.landing import LandingError, center_line
+
+    try:
+        found = branch.at(end_shortening)
+    except LandingError:
+        return []
+    out = []
+    for landing in found:
+        values, length = landing.values, branch.parameters.length
+        s = branch.arc_length(landing.interval)
+        middle, half = 0.5 * length, 0.5 * values["wetted_length"]
+        center = np.array([0.0, values["drop_y"], 0.5 * (length - values["end_shortening"])])
+        out.append(
+            Shape(
+                center_line(landing.state, s),
+                s,
+                center,
+                (middle - half, middle + half),
+                values["end_shortening"],
+                values["end_tension"],
+                values["energy_hat"],
+                branch.name,
+                0.5 * (1 + branch.parameters.wall_softness),
+            )
+        )
+    return out
+
+
+def label(file: Any) -> str:
+    """What a legend calls a run or a branch file: the file's name without its ending."""
+    return Path(file.path).stem if file.path else "in memory"
+
+
+def abscissa(run: Any) -> tuple[np.ndarray, str]:
+    """What a run is drawn against (T,), and its label: delta/pi, or increments where it turns back."""
+    delta = run.table["end_shortening"]
+    if np.all(np.diff(delta) >= 0) or np.all(np.diff(delta) <= 0):
+        return delta / np.pi, LABELS["delta"]
+    return np.arange(len(delta), dtype=float), LABELS["increment"]
+
+
+def event_row(run: Any, event: Any) -> int:
+    """The increment at which an event is drawn: the one after it, for turning points the one before."""
+    i = event.increment - (event.kind == "turn")
+    return int(np.clip(i, 0, len(run) - 1))
 
 
 def stretches(

@@ -13,9 +13,9 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import to_rgb
 from matplotlib.patches import Circle, Polygon, Rectangle
-from reading import Shape
-from style import Theme
 
+from derod.plots.reading import Shape
+from derod.plots.style import Theme
 from derod.stream.geometry import point_at, unit
 
 SIDES = 14
@@ -23,6 +23,7 @@ RADIUS = 0.021  # D
 FINEST = 0.012  # D between rings
 LIGHT = unit(np.array([-0.45, 0.75, 0.6]))  # in view: right, up, toward the eye
 DISCS = 48
+TALL = 0.795  # of the reach to the sides, up and down
 
 
 @dataclass(frozen=True)
@@ -119,14 +120,21 @@ def paint_shape(
     """Paint a configuration about its drop's centre: tube, translucent drop, meniscus points.
 
     ``color`` is one colour, or one for each node (N+1, 3). What lies beyond ``reach`` (D) is cut
-    off.
+    off. Without a drop only the tube and the clamps are there.
     """
-    points, s = finer(shape.positions - shape.drop_center, shape.arc_length)
+    points, s = finer(shape.positions - shape.center, shape.arc_length)
     seen = eye.see(points)
     kept = np.abs(seen[:, 0]) < reach + 0.25
     first, last = np.flatnonzero(kept)[[0, -1]]
     seen, s = seen[first : last + 1], s[first : last + 1]
-    paint_drop(axes, theme)
+    if shape.wet:
+        paint_drop(axes, theme)
+        if np.isfinite(shape.wall):
+            edge = Circle(
+                (0, 0), shape.wall, facecolor="none", edgecolor=theme.rim, linewidth=0.7, alpha=0.7
+            )
+            edge.set(linestyle=(0, (1, 2)), zorder=1.9, gid="wall")
+            axes.add_patch(edge)
     tube = tube_in_view(seen, s, radius)
     if isinstance(color, str):
         base = np.broadcast_to(np.array(to_rgb(color)), tube.normals.shape)
@@ -140,7 +148,7 @@ def paint_shape(
     colors = colors * (1 - 0.34 * behind) + water * 0.34 * behind
     order = np.argsort(height)
     quads = PolyCollection(
-        tube.corners[order][:, :, :2],
+        list(tube.corners[order][:, :, :2]),
         facecolors=colors[order],
         edgecolors=colors[order],
         linewidths=0.25,
@@ -148,15 +156,15 @@ def paint_shape(
         gid="tube",
     )
     axes.add_collection(quads)
-    for s_m in shape.menisci:
+    for s_m in shape.menisci if shape.wet else ():
         at = eye.see(meniscus(shape, s_m)[None])[0]
         paint_bead(axes, at, 1.55 * radius, theme)
     for end in (0, -1):
-        at = eye.see((shape.positions[end] - shape.drop_center)[None])[0]
+        at = eye.see((shape.positions[end] - shape.center)[None])[0]
         if abs(at[0]) < reach:
             paint_clamp(axes, at, radius, -1 if end == 0 else 1)
     axes.set_xlim(-reach, reach)
-    axes.set_ylim(-0.62, 0.62)
+    axes.set_ylim(-TALL * reach, TALL * reach)
     axes.set_aspect("equal")
     axes.set_axis_off()
 
@@ -211,7 +219,13 @@ def paint_clamp(axes: Axes, at: np.ndarray, radius: float, side: int) -> None:
 
 def paint_bead(axes: Axes, at: np.ndarray, radius: float, theme: Theme) -> None:
     """A meniscus point."""
-    bead = Circle(at[:2], radius, facecolor="#f2c14e", edgecolor="#6b4e00", linewidth=0.7)
+    bead = Circle(
+        (float(at[0]), float(at[1])),
+        radius,
+        facecolor="#f2c14e",
+        edgecolor="#6b4e00",
+        linewidth=0.7,
+    )
     bead.set(zorder=6 + 0.1 * at[2], gid="meniscus")
     axes.add_patch(bead)
     shine = Circle(
