@@ -22,11 +22,11 @@ from derod.errors import RecordError
 from derod.frames import Ending, Event, Frame, Observer, Outcome, RelaxationObserver
 from derod.guess import bent_guess
 from derod.ledger import Verdict, compare
-from derod.mesh import COARSE, edges_enough
 from derod.predict import predict
 from derod.relax import Outcome as RelaxOutcome
 from derod.relax import Report, Solution, make_relaxer, relax
 from derod.scene import Scene
+from derod.scene.resolution import COARSE, edges_enough
 from derod.stability import Equilibrium, analyse
 from derod.state import State
 from derod.system import System

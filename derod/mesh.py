@@ -7,11 +7,6 @@ import numpy as np
 from derod.core.layout import Mesh
 from derod.scene.tables import Mesh as MeshOptions
 
-COARSE = (
-    0.5  # rad of turning at a node, above which a mesh is too coarse for the coil: 1e-3 in E_hat
-)
-FINE = 0.4  # rad, at which it would do
-
 
 def wetted_mesh(options: MeshOptions, elastocapillary: float) -> Mesh:
     """Return the grid of a rod in a drop: a share of the edges wetted, the rest halved between the ends.
@@ -50,8 +45,3 @@ def quadrature(fractions: np.ndarray) -> np.ndarray:
     weights = np.zeros(n + 1)
     np.add.at(weights, first, shares)
     return 0.5 * (weights + weights[::-1])
-
-
-def edges_enough(edges: int, turning: float) -> int:
-    """Return how many edges would do, where a node of a mesh of ``edges`` turns by ``turning`` (rad)."""
-    return int(np.ceil(edges * turning / FINE / 10) * 10)

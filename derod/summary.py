@@ -7,9 +7,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from derod.mesh import COARSE, edges_enough
 from derod.record import BaseRun, Run
 from derod.scene import Scene
+from derod.scene.resolution import COARSE, edges_enough
 
 RANGES = (
     "end_shortening",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from typing import Any
 
@@ -116,3 +117,19 @@ def head_check(attributes: Mapping[str, Any], names: list[str]) -> int:
     listed = "\0".join(names).encode("utf-8", "replace")
     told_check = hdf5.digest.head_digest(listed, {"": told})
     return hdf5.digest.digest(kind, 0, (told_check.to_bytes(8, "little"),))
+
+
+def is_branch_file(path: str | os.PathLike[str]) -> bool:
+    """Whether this is a file of ``derod branch``; False also for what cannot be read at all."""
+    try:
+        gate, file = hdf5.open_gate(str(path), "a branch file")
+    except RecordError:
+        return False
+    try:
+        with hdf5.checks.judged(str(path)):
+            format_of(str(path), file)
+    except RecordError:
+        return False
+    finally:
+        gate.shut()
+    return True

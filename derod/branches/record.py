@@ -24,7 +24,6 @@ from derod.branches import checking
 from derod.branches.observables import SCALED
 from derod.branches.parameters import Parameters
 from derod.branches.stored import StoredBranch
-from derod.errors import RecordError
 
 if TYPE_CHECKING:
     from derod.branches.branch import Branch
@@ -203,19 +202,3 @@ def open_branches(path: str | Path) -> BranchFile:
     special points. Raises RecordError.
     """
     return BranchFile(path)
-
-
-def is_branch_file(path: str | Path) -> bool:
-    """Whether this is a file of ``derod branch``; False also for what cannot be read at all."""
-    try:
-        gate, file = hdf5.open_gate(str(path), "a branch file")
-    except RecordError:
-        return False
-    try:
-        with hdf5.checks.judged(str(path)):
-            checking.format_of(str(path), file)
-    except RecordError:
-        return False
-    finally:
-        gate.shut()
-    return True

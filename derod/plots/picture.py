@@ -67,4 +67,4 @@ def rendered(picture: Figure, ending: str, dpi: int) -> bytes:
 def write_picture(picture: Picture, path: Path, theme: Theme, dpi: int, force: bool) -> None:
     """Write the picture, vector or pixels by the name's ending. Raises UsageError."""
     with mpl.rc_context(look(theme)):
-        write_file(path, rendered(picture, path.suffix[1:].lower(), dpi), force, "output")
+        write_file(path, rendered(picture, path.suffix[1:].lower(), dpi), force)

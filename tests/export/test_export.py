@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from derod.cli import main
-from derod.exits import UsageError
+from derod.errors import DerodError
 from derod.export import export
 
 TYPES = {"Float32": "<f4", "Float64": "<f8", "Int32": "<i4", "Int64": "<i8", "UInt8": "u1"}
@@ -158,22 +158,22 @@ def test_refusals_leave_everything_as_it_was(run, ax, tmp_path):
     stale = tmp_path / "coil" / "rod_99999.vtp"
     stale.write_text("of a longer run")
     frame.write_text("mine")
-    with pytest.raises(UsageError, match="exists; allowed: another name, or --force"):
+    with pytest.raises(DerodError, match="exists already; --force replaces it"):
         export(run, out)
     out.unlink()
-    with pytest.raises(UsageError, match=r"its folder .*coil exists"):
+    with pytest.raises(DerodError, match=r"its folder .*coil exists"):
         export(run, out)
     assert frame.read_text() == "mine" and not out.exists()
     export(run, out, force=True)
     assert frame.stat().st_size > 1000 and not stale.exists()
     notes = tmp_path / "coil" / "notes.txt"
     notes.write_text("not ours")
-    with pytest.raises(UsageError, match=r"holds other things than \.vtp files"):
+    with pytest.raises(DerodError, match=r"holds other things than \.vtp files"):
         export(run, out, force=True)
     assert notes.read_text() == "not ours"
-    with pytest.raises(UsageError, match="is a branch file"):
+    with pytest.raises(DerodError, match="is a branch file"):
         export(ax, tmp_path / "b.pvd")
-    with pytest.raises(UsageError, match=r"ends in \.csv or \.pvd"):
+    with pytest.raises(DerodError, match=r"ends in \.csv or \.pvd"):
         export(run, tmp_path / "b.vtk")
     assert sorted(path.name for path in tmp_path.iterdir()) == ["coil", "coil.pvd"]
 
@@ -194,7 +194,7 @@ def test_a_file_is_whole_or_absent(tmp_path, monkeypatch, force):
     if force:
         out.write_bytes(b"before")
     monkeypatch.setattr(Path, "write_bytes", fails)
-    with pytest.raises(UsageError, match="cannot be written: No space left"):
+    with pytest.raises(DerodError, match="cannot be written: no space left"):
         write_file(out, b"123456", force)
     assert [path.name for path in tmp_path.iterdir()] == (["a.csv"] if force else [])
     assert not force or out.read_bytes() == b"before"
@@ -205,7 +205,7 @@ def test_a_file_that_came_in_between_is_kept(tmp_path):
 
     out = tmp_path / "a.csv"
     out.write_bytes(b"another's")
-    with pytest.raises(UsageError, match="exists"):
+    with pytest.raises(DerodError, match="exists"):
         write_file(out, b"mine", force=False)
     assert out.read_bytes() == b"another's"
     assert [path.name for path in tmp_path.iterdir()] == ["a.csv"]

@@ -24,7 +24,7 @@ def test_default_name_beside_the_file_and_no_overwriting(run_file, capsys):
         assert len(image.convert("RGB").getcolors(100000)) > 20
     before = made.read_bytes()
     assert main(["plot", str(run_file), "--kind", "kymograph", "-o", str(made)]) == 2
-    assert "exists; allowed: another name, or --force" in capsys.readouterr().err
+    assert "exists already; --force replaces it" in capsys.readouterr().err
     assert made.read_bytes() == before
     assert main(["plot", str(run_file), "-k", "path", "-o", str(made), "--force"]) == 0
     assert made.read_bytes() != before

@@ -199,9 +199,10 @@ def test_files_are_written_as_vectors_and_pixels(run, tmp_path):
 
 def test_figures_are_outputs_like_any_other(run, tmp_path):
     import energies
-    from style import LIGHT, save
+    from style import save
 
     from derod.outputs import OutputError
+    from derod.plots.style import LIGHT
 
     path = tmp_path / "a.png"
     path.write_text("precious")
