@@ -14,9 +14,10 @@ from derod.state import State
 from derod.system import System
 
 MOST_KICKS = 12  # in one descent
+FELL = 1e-9  # relative, the least that a kick must gain
 LONGEST = 20_000  # iterations of one descent
 STRONGER = 4.0  # each kick at one saddle than the one before
-SAME_ENERGY = 1e-9  # relative, of two minima that are mirror images
+SAME_ENERGY = 1e-7  # relative, of two minima that are mirror images
 
 
 @dataclass
@@ -37,19 +38,19 @@ class Descent:
         return self.here is not None and self.here.unstable_modes == 0
 
     def sides(self) -> str:
-        """Say what decided the sides of the kicks."""
-        if not self.kicks:
+        """Say what decided which way the rod went."""
+        count = len(self.kicks)
+        text = f"{count} mode{'s' * (count > 1)} kicked, " if count else ""
+        if self.other is not None and self.here is not None:
+            higher = self.other - self.here.energy
+            if abs(higher) > SAME_ENERGY * (1 + abs(self.other)):
+                return f"{text}to the lower of two minima: the other's energy is higher by {higher:.3g}"
+        if not count:
             return ""
-        text = f"{len(self.kicks)} mode{'s' * (len(self.kicks) > 1)} kicked"
         if all(k.mirror for k in self.kicks):
-            return f"{text}, the side is the seed's: mirror images of equal energy"
-        if self.other is None or self.here is None:
-            return f"{text}, the side is the seed's"
-        if abs(self.other - self.here.energy) <= SAME_ENERGY * (1 + abs(self.other)):
-            return f"{text}, the side is the seed's: both minima have equal energies"
-        return f"{text}, to the lower of two minima: the other's energy is higher by " + (
-            f"{self.other - self.here.energy:.3g}"
-        )
+            return f"{text}the side is the seed's: mirror images of equal energy"
+        equal = "" if self.other is None else ": both minima have equal energies"
+        return f"{text}the side is the seed's{equal}"
 
 
 @dataclass(frozen=True)
@@ -90,6 +91,23 @@ class Descender:
         solution = self.down(start)
         return self._onward(Descent(solution, None, solution.iterations), both=True)
 
+    def probe(self, start: State, descent: Descent) -> Descent:
+        """Go down once more from ``start``, disturbed by the noise; return the descent to the lower minimum.
+
+        After a fold a rod may slide far, past ridges where little decides which way it goes on: where a
+        disturbance leads to another minimum, the side is the seed's, and both energies are known.
+        """
+        if self.noise.amplitude == 0 or descent.here is None:
+            return descent
+        again = self.descend(disturbed(start, self.noise))
+        if again.here is None or not again.stable:
+            return descent
+        best, other = sorted((descent, again), key=lambda one: one.here.energy if one.here else 0)
+        if other.here is not None and best.other is None:
+            best.other = other.here.energy
+        best.iterations = descent.iterations + again.iterations
+        return best
+
     def leave(self, settled: Solution, here: Equilibrium) -> Descent:
         """Leave a settled, unstable state by a kick, and go down to a minimum."""
         return self._onward(Descent(settled, here, settled.iterations), both=True)
@@ -111,7 +129,7 @@ class Descender:
                 return descent
             system.gradient(solution.state)
             before, energy = energy, system.energies(solution.state).total
-            fell_back = energy > before - SAME_ENERGY * (1 + abs(energy))
+            fell_back = energy > before - FELL * (1 + abs(energy))
             amplitude = amplitude * STRONGER if fell_back else noise.amplitude
             vector = noise.start(len(descent.kicks), solution.state.q.shape)
             first = kick(system, solution.state, amplitude, vector)
@@ -135,6 +153,18 @@ class Descender:
         best.other = other.here.energy if other.here else None
         best.iterations = descent.iterations + sum(end.iterations for end in ends)
         return best
+
+
+def disturbed(state: State, noise: Noise) -> State:
+    """Return the state moved by five smooth waves of random directions, by about the noise's (D)."""
+    rng = np.random.default_rng([noise.seed, noise.increment, MOST_KICKS + 1])
+    d, n = state.dimension, state.q.shape[0] - 1
+    place = np.linspace(0.0, np.pi, n + 1)[1:-1]
+    moved = state.copy()
+    for wave in range(1, 6):
+        direction = rng.standard_normal(d) / wave
+        moved.q[1:-1, :d] += 0.5 * noise.amplitude * np.outer(np.sin(wave * place), direction)
+    return moved
 
 
 def continued(descent: Descent, solution: Solution) -> Descent:

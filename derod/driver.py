@@ -207,6 +207,10 @@ class Push:
         if not descent.stable and not (descent.here and self.scene.noise.amplitude == 0):
             self.shorten(length, descent.solution.outcome, descent.solution.message)
             return None
+        assert descent.here is not None
+        entry = compare(self.here, descent.here, along=False)
+        if entry.verdict is Verdict.LOST:
+            descent = self.descender().probe(start, descent)
         here = descent.here
         assert here is not None
         entry = compare(self.here, here, along=False)

@@ -401,8 +401,8 @@ def descend_step(physics, mesh, end_rotation, rules, shift, psi_old, room, facto
             )
             if fall > 10 * slack:
                 lower = after <= before - ARMIJO * fall
-            else:  # energies cannot tell any more
-                lower = after <= before + slack and new < old
+            else:  # energies cannot tell any more; off a saddle the residual grows at first
+                lower = after <= before + slack and (new < old or curved)
             if lower:
                 copy_rows(work.tq, q)
                 copy_vector(work.tb, b)

@@ -55,6 +55,7 @@ def defect_and_bound(table: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     slope = np.abs(np.diff(t)) / np.maximum(np.abs(step), 1e-12)
     work = -0.5 * step * (t[1:] + t[:-1])
     near = np.maximum(slope, np.maximum(np.append(slope[1:], 0), np.append(0, slope[:-1])))
+    near[-1:] *= 2  # the slope after the last row is not known
     bound = 0.5 * step**2 * near + FLOOR * (1 + np.abs(energy[1:]))
     return np.diff(energy) - work, bound
 
