@@ -31,6 +31,9 @@ LEAST_SHIFT = (
 LARGEST_SHIFT = 1e12
 RAISE, LOWER, LOWER_CONVEX = 4.0, 0.2, 0.02
 MOST_ROTATION = 0.5  # rad of an edge in one step, before and after lengths are restored
+DESCENDING = (
+    0.2  # rad, the same going downhill: longer steps leave the damped path, and end in other minima
+)
 MOST_GAP_USED = 0.7
 MOST_REGION_USED = 0.5
 TRIALS = 40
@@ -97,8 +100,11 @@ def unstable_modes(linear, factor, d):
 
 
 @inlined
-def longest_step(physics, kin, q, b, dq, db):
-    """Return the fraction of the step (dq, db) that stays inside the limits, at most 1."""
+def longest_step(physics, kin, q, b, dq, db, rotation):
+    """Return the fraction of the step (dq, db) that stays inside the limits, at most 1.
+
+    No edge may turn by more than ``rotation`` (rad).
+    """
     d = len(physics.axis)
     n = kin.rest.size - 2
     fraction = 1.0
@@ -106,7 +112,7 @@ def longest_step(physics, kin, q, b, dq, db):
         square = 0.0
         for k in range(d):
             square += (dq[e, k] - dq[e - 1, k]) ** 2
-        fraction = min(fraction, MOST_ROTATION * kin.rest[e] / (np.sqrt(square) + 1e-300))
+        fraction = min(fraction, rotation * kin.rest[e] / (np.sqrt(square) + 1e-300))
     for i in range(kin.node_a, kin.node_b + 1):
         r2 = 0.0
         outward = 0.0
@@ -330,7 +336,7 @@ def follow_step(physics, mesh, end_rotation, rules, psi_old, room, factor, q, b,
     if factorize(room.linear, factor) < 0:
         return STALLED, psi_old, old, force
     solve_step(room, factor, work)
-    fraction = longest_step(physics, room.kin, q, b, work.dq, work.db)
+    fraction = longest_step(physics, room.kin, q, b, work.dq, work.db, MOST_ROTATION)
     outcome = STALLED
     for _ in range(HALVINGS):
         try_step(physics, room.kin, fraction, q, b, work)
@@ -386,7 +392,7 @@ def descend_step(physics, mesh, end_rotation, rules, shift, psi_old, room, facto
             shift *= RAISE
             modes = unstable_modes(room.linear, factor, d)
         solve_step(room, factor, work)
-        fraction = longest_step(physics, room.kin, q, b, work.dq, work.db)
+        fraction = longest_step(physics, room.kin, q, b, work.dq, work.db, DESCENDING)
         fall = fraction * promised_decrease(work, room, d)
         before = constrained_energy(physics, q, b, psi_old, end_rotation, room, work, q, b)
         try_step(physics, room.kin, fraction, q, b, work)
@@ -394,7 +400,7 @@ def descend_step(physics, mesh, end_rotation, rules, shift, psi_old, room, facto
             physics, mesh, end_rotation, psi_old, room, factor, work.tq, work.tb
         )
         sound = sound and sharpest(room.kin) <= sharp
-        if sound and not beyond(room.kin, work.tq, q, np.inf, MOST_ROTATION * 1.2):
+        if sound and not beyond(room.kin, work.tq, q, np.inf, 1.2 * DESCENDING):
             new, new_force = excess(physics, room.r, room.rb, room.kin, rules.tolerance)
             after = constrained_energy(
                 physics, work.tq, work.tb, psi, end_rotation, room, work, q, b

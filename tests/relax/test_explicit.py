@@ -33,7 +33,7 @@ def disturbed(state: State, size: float, seed: int = 0) -> State:
 
 def settled(system: System, delta: float) -> State:
     """The implicit equilibrium."""
-    solution = relax(make_relaxer("implicit"), system, bent_guess(system, delta))
+    solution = relax(make_relaxer("implicit"), system, bent_guess(system, delta), descend=True)
     assert solution.converged
     return solution.state
 
