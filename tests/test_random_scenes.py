@@ -90,7 +90,7 @@ def test_the_laws_see_what_is_wrong() -> None:
         "energy_bend": lifted,
     }
     assert any("gains" in fault for fault in audit(Altered(run, **hidden)))
-    sunk = {name: lambda c: 2 * c - lifted(c) for name in hidden}
+    sunk = {name: lambda c: c - 10 * (lifted(c) - c) for name in hidden}
     assert any("silently" in fault for fault in audit(Altered(run, **sunk)))
     assert any("add up" in f for f in audit(Altered(run, energy_wall=lambda c: c + 1e-6)))
     assert any("jumps" in f for f in audit(Altered(run, holonomy=lambda c: 100 * lifted(c))))

@@ -1,7 +1,7 @@
 """Relaxed states of the discrete rod against branches of the boundary-value problem.
 
 They share no code. Both paper scenes and two further parameter sets, 24 end-shortenings each, on
-two meshes: the errors are small, and fall fourfold (or more) with twice the edges.
+two meshes: the errors are small, and fall nearly with the fourth order of the rod.
 """
 
 from pathlib import Path
@@ -23,7 +23,7 @@ OTHERS = {
     "soft-wall": {"drop.wall_softness": 0.16, "drop.wall_strength": 3e-3, "rod.length": 11.0},
 }
 PLACES = tuple(float(d) for d in np.pi * np.linspace(0.1, 2.4, 24))
-EDGES = (400, 800)
+EDGES = (200, 400)
 
 
 def scene_of(name):
@@ -71,12 +71,15 @@ def test_errors_are_small(held):
     assert errors["shape_error"] <= 1e-3
 
 
-def test_errors_fall_fourfold(held):
-    """Root mean square over the landings (single rows may cross zero)."""
-    coarse, fine = landed(held[400]), landed(held[800])
+def test_errors_fall_with_a_high_order(held):
+    """Root mean square over the landings (single rows may cross zero): 8.3 to 13 is measured.
+
+    Second order would give 4; what keeps it from 16 is the wall's kink at the menisci.
+    """
+    coarse, fine = landed(held[200]), landed(held[400])
     for name in ("tension_error", "energy_error", "shape_error"):
         ratio = np.sqrt(np.mean(coarse[name] ** 2) / np.mean(fine[name] ** 2))
-        assert ratio > 3.5, name
+        assert ratio > 7, (name, ratio)
 
 
 def test_command_line(tmp_path, capsys):
