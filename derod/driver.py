@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from derod import interrupts
-from derod.descent import Descender, Descent, Noise
+from derod.descent import Descender, Noise
 from derod.encode import Settled, decode, encode
 from derod.errors import RecordError
 from derod.frames import Ending, Event, Frame, Observer, Outcome, RelaxationObserver
@@ -97,7 +97,7 @@ class Push:
             solution = self.descender().descend(guess).solution
         if not solution.converged:
             raise Stuck(
-                outcome_of(solution),
+                outcome_of(solution.outcome),
                 f"no first equilibrium from the bent guess: {solution.message}",
             )
         self.recording = near == start
@@ -219,13 +219,14 @@ class Push:
             return None
         if entry.verdict is Verdict.LOST or descent.kicks:
             sides = descent.sides()
+            moved = farthest_move(self.state, descent.solution.state)
             self.tell(
                 "snap",
                 target,
                 self.here.energy + self.capillary_work(self.state.end_shortening),
                 here.energy + self.capillary_work(target),
                 f"the branch ends ({reason}); descended from {self.state.end_shortening:.6g} to the next "
-                f"minimum, nodes moved {self.moved(descent.solution.state):.3g} D{'; ' * bool(sides)}"
+                f"minimum, nodes moved {moved:.3g} D{'; ' * bool(sides)}"
                 f"{sides}",
             )
         self.step = FIRST_STEP * self.max_step
@@ -241,11 +242,6 @@ class Push:
     def capillary_work(self, end_shortening: float) -> float:
         """Return E_hat - E_tot, K/D."""
         return self.system.physics.capillary_force * (end_shortening + 1)
-
-    def moved(self, state: State) -> float:
-        """Return how far a node moved from the present state, D."""
-        d = self.system.dimension
-        return float(np.abs(state.q[:, :d] - self.state.q[:, :d]).max())
 
     def relax(self, start: State, *, descend: bool = False) -> Solution:
         """Relax ``start``, under the eyes of those who want to see every step."""
@@ -284,9 +280,8 @@ class Push:
         if self.step < LEAST_STEP * self.max_step:
             if self.system.outer_length(self.state) < 10 * OUTER_LEAST:
                 raise Stuck(Outcome.ROD_RAN_OUT, f"the outer rod ran out at {delta:.6g}")
-            kinds = {None: Outcome.OUT_OF_BALANCE, RelaxOutcome.DIVERGED: Outcome.DIVERGED}
             raise Stuck(
-                kinds.get(outcome, Outcome.NOT_CONVERGED),
+                outcome_of(outcome),
                 f"no way on beyond {delta:.6g} with steps down to {self.step:.3g}: {reason}",
             )
         self.tell_halving(reason)
@@ -330,7 +325,7 @@ class Push:
             here.energy + potential,
             descent.here.energy + potential,
             f"{here.unstable_modes} unstable modes, the lowest kicked; "
-            f"{descent.sides()}; descended, nodes moved {self.moved_from(state, descent):.3g} D",
+            f"{descent.sides()}; descended, nodes moved {farthest_move(state, descent.solution.state):.3g} D",
         )
         return Increment(
             descent.solution.state,
@@ -340,11 +335,6 @@ class Push:
             smooth=False,
             defect=increment.defect + entry.defect,
         )
-
-    def moved_from(self, state: State, descent: Descent) -> float:
-        """Return how far a node moved in a descent, D."""
-        d = self.system.dimension
-        return float(np.abs(state.q[:, :d] - descent.solution.state.q[:, :d]).max())
 
     # -- the record
 
@@ -417,9 +407,16 @@ def next_target(delta: float, goal: float, step: float) -> float:
     return delta + step if goal > delta else delta - step
 
 
-def outcome_of(solution: Solution) -> Outcome:
-    """Return the push's outcome for a relaxation that did not converge."""
-    return Outcome.DIVERGED if solution.outcome == "diverged" else Outcome.NOT_CONVERGED
+def outcome_of(outcome: RelaxOutcome | None) -> Outcome:
+    """Return the push's outcome for a relaxation that did not converge; None: it gained energy."""
+    kinds = {None: Outcome.OUT_OF_BALANCE, RelaxOutcome.DIVERGED: Outcome.DIVERGED}
+    return kinds.get(outcome, Outcome.NOT_CONVERGED)
+
+
+def farthest_move(before: State, after: State) -> float:
+    """Return how far a node moved between two states, D."""
+    d = before.dimension
+    return float(np.abs(after.q[:, :d] - before.q[:, :d]).max())
 
 
 def frame_of(run: Run, i: int) -> Frame:
