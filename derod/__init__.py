@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from derod.errors import DerodError as DerodError
     from derod.errors import RecordError as RecordError
     from derod.errors import SceneError as SceneError
-    from derod.extrapolate import extrapolate as extrapolate
     from derod.record import open_run as open_run
+    from derod.record.extrapolate import extrapolate as extrapolate
     from derod.scene import load_scene as load_scene
     from derod.scene import parse_scene as parse_scene
 
@@ -31,7 +31,7 @@ _HOMES = {
     "DerodError": "derod.errors",
     "RecordError": "derod.errors",
     "SceneError": "derod.errors",
-    "extrapolate": "derod.extrapolate",
+    "extrapolate": "derod.record.extrapolate",
     "load_scene": "derod.scene",
     "open_branches": "derod.branches.record",
     "open_run": "derod.record",

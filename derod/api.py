@@ -7,12 +7,10 @@ import os
 from collections.abc import Sequence
 from itertools import pairwise
 
-from derod import interrupts
 from derod.errors import RecordError, SceneError
-from derod.extrapolate import coarser
-from derod.extrapolate import extrapolate as extrapolate_runs
-from derod.frames import Ending, Event, Frame, Observer, Outcome
-from derod.observers import guarded
+from derod.push import interrupts
+from derod.push.frames import Ending, Event, Frame, Observer, Outcome
+from derod.push.observers import guarded
 from derod.record import (
     BaseRun,
     MemoryRun,
@@ -23,6 +21,8 @@ from derod.record import (
     open_run,
     resume_copy,
 )
+from derod.record.extrapolate import coarser
+from derod.record.extrapolate import extrapolate as extrapolate_runs
 from derod.scene import Scene
 from derod.scene.material import check_one_stiffness
 from derod.scene.plan import check_plan
@@ -47,7 +47,7 @@ def push(
     was killed, interrupted or finished; ``scene`` may then be None, or the same rod pushed further.
 
     With ``extrapolate`` the push is done once more on half the edges, landing on every row of the first,
-    and ``run.extrapolated`` holds better values and estimated errors (``derod.extrapolate``).
+    and ``run.extrapolated`` holds better values and estimated errors (``derod.record.extrapolate``).
 
     A push that plans more rows, or a larger file, than anybody can mean is refused
     (``derod.scene.plan``) unless ``yes_really``.
@@ -220,7 +220,7 @@ def _drive(
         return end(Outcome.INTERRUPTED, f"{interrupts.words()} {where}")
 
     try:
-        from derod.driver import drive  # compiles kernels, which reading runs does not need
+        from derod.push.driver import drive  # compiles kernels, which reading runs does not need
 
         ending = drive(scene, everyone, resume)
     except KeyboardInterrupt:

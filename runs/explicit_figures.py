@@ -19,11 +19,11 @@ import numpy as np
 from bench.stepping import disturbed, explicit_step
 
 import derod
-from derod.driver import frame_of
-from derod.encode import decode
-from derod.relax import make_relaxer, relax
-from derod.state import State
-from derod.system import System
+from derod.equilibrium import make_relaxer, relax
+from derod.equilibrium.system import System
+from derod.push.driver import frame_of
+from derod.push.encode import decode
+from derod.rod.state import State
 
 SCENE = Path(__file__).with_name("paper-text.toml")
 STOPS = (0.1, 0.5, 1.0, 2.1)  # pi

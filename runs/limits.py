@@ -35,9 +35,9 @@ from bench.stepping import explicit_step, implicit_step, pushed
 from numba import njit
 from scipy.linalg import lapack
 
-from derod.core import assembly
-from derod.linalg import bordered
-from derod.system import System
+from derod.algebra import bordered
+from derod.equilibrium.system import System
+from derod.rod import assembly
 
 HERE = Path(__file__).parent
 MESHES = (100, 200, 800)

@@ -5,9 +5,9 @@
     python runs/unstable_modes.py --scenes paper-text --every 8 --edges 600 --verbose
 
 Every N-th point of all named paths is put on the discrete rod's mesh, settled by plain Newton steps
-(no descent, no kick) and analysed. Both sides count by the same rule for sliding
-(``derod.branches.stability``, ``derod.stability``) and share no code. Exit code 1 where a count differs
-or a state does not settle on its branch.
+(no descent, no kick) and analysed. Both sides count by the same rule for
+sliding (``derod.branches.stability``, ``derod.equilibrium.stability``) and share no code. Exit code 1
+where a count differs or a state does not settle on its branch.
 """
 
 from __future__ import annotations
@@ -34,11 +34,11 @@ from derod.branches.parameters import Parameters
 from derod.branches.record import StoredBranch, open_branches, write_branches
 from derod.branches.stability import stability
 from derod.branches.state import HalfRod
-from derod.relax import make_relaxer, relax
+from derod.equilibrium import make_relaxer, relax
+from derod.equilibrium.stability import analyse
+from derod.equilibrium.system import System
+from derod.rod.state import State
 from derod.scene import Scene, load_scene
-from derod.stability import analyse
-from derod.state import State
-from derod.system import System
 
 HERE = Path(__file__).parent
 SCENES = ("paper-text", "paper-figures")

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from derod.frames import ROW, Ending, Event, Frame, Observer, Outcome
+from derod.push.frames import ROW, Ending, Event, Frame, Observer, Outcome
 from derod.record import Run
 from derod.scene import Scene, parse_scene
 
@@ -71,7 +71,7 @@ def make_event(i: int) -> Event:
 
 
 def drive(scene: Scene, observers: Sequence[Observer], resume: Run | None = None) -> Ending:
-    """Stands in for ``derod.driver.drive``: 0.01 pi an increment, an event before every fifth."""
+    """Stands in for ``derod.push.driver.drive``: 0.01 pi an increment, an event before every fifth."""
     first = 0 if resume is None else len(resume)
     steps = round((scene.push.stop[-1] - scene.push.start) / (0.01 * np.pi)) + 1
     for observer in observers:

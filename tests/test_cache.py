@@ -10,14 +10,14 @@ from pathlib import Path
 
 import pytest
 
-from derod import _cache
-from derod._cache import is_private
+from derod.algebra import cache as _cache
+from derod.algebra.cache import is_private
 
 ROOT = Path(__file__).parent.parent
 KERNEL = """
 import sys
 sys.path.insert(0, {folder!r})
-from derod._cache import point_numba_at_own_cache
+from derod.algebra.cache import point_numba_at_own_cache
 point_numba_at_own_cache()
 import os, stat
 import kernels

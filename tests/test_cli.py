@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from derod import cli, open_run
-from derod.frames import Outcome
+from derod.push.frames import Outcome
 from tests.scenes import coil
 
 SCENE = coil(stop='"0.05 pi"', at='["0.02 pi"]').text
@@ -61,7 +61,7 @@ def test_a_push_that_gets_there(scene: str, out: str, capsys: Captured) -> None:
 def test_what_the_command_line_changes(scene: str, out: str) -> None:
     changes = ["--edges", "48", "--stop", "0.03 pi, 0.02 pi", "--method", "fire", "--quiet"]
     args = cli.build_parser().parse_args(["push", scene, "-o", out, *changes])
-    from derod.commands import _scene_to_push
+    from derod.cli.commands import _scene_to_push
 
     changed = _scene_to_push(args)
     assert changed.mesh.edges == 48 and changed.relax.method == "fire"

@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 
 import derod
-from derod.descent import Descender, Descent, Noise
-from derod.driver import frame_of
-from derod.encode import decode
-from derod.kicks import breaks_a_symmetry, kick
-from derod.relax import Outcome, Report, make_relaxer, relax
+from derod.equilibrium import Outcome, Report, make_relaxer, relax
+from derod.equilibrium.stability import analyse
+from derod.equilibrium.system import System
+from derod.push.descent import Descender, Descent, Noise
+from derod.push.driver import frame_of
+from derod.push.encode import decode
+from derod.push.kicks import breaks_a_symmetry, kick
+from derod.rod.state import State
 from derod.scene import Scene
-from derod.stability import analyse
-from derod.state import State
-from derod.system import System
 from tests.scenes import coil
 
 ROUNDING = 1e-10  # of energies near 200

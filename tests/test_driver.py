@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 import derod
-from derod.driver import next_target
 from derod.errors import SceneError
-from derod.frames import Outcome
+from derod.push.driver import next_target
+from derod.push.frames import Outcome
 from derod.record import BaseRun
 from tests.scenes import coil
 

@@ -8,10 +8,10 @@ from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
 import derod
-from derod.guess import bent_guess
-from derod.relax import make_relaxer, relax
-from derod.stability import analyse
-from derod.system import System
+from derod.equilibrium import make_relaxer, relax
+from derod.equilibrium.stability import analyse
+from derod.equilibrium.system import System
+from derod.push.guess import bent_guess
 
 SCENE = """
 [rod]

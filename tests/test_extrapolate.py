@@ -9,7 +9,7 @@ import pytest
 
 import derod
 from derod.errors import SceneError
-from derod.extrapolate import coarser, extrapolate
+from derod.record.extrapolate import coarser, extrapolate
 from tests.scenes import coil
 
 CHANGES = {"mesh.edges": 200, "push.stop": "1 pi", "push.at": [], "push.max_step": "0.04 pi"}

@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 import derod
-from derod import driver
-from derod.frames import Outcome
-from derod.ledger import Verdict, compare
-from derod.stability import Equilibrium
-from derod.system import Energies
+from derod.equilibrium.stability import Equilibrium
+from derod.equilibrium.system import Energies
+from derod.push import driver
+from derod.push.frames import Outcome
+from derod.push.ledger import Verdict, compare
 from tests.scenes import coil
 
 

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from derod.mesh import dry_mesh, quadrature, wetted_mesh
+from derod.rod.mesh import dry_mesh, quadrature, wetted_mesh
 from derod.scene.tables import Mesh
 
 

@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 
 import derod
-from derod.guess import bent_guess
-from derod.relax import Report
-from derod.system import System
+from derod.equilibrium import Report
+from derod.equilibrium.system import System
+from derod.push.guess import bent_guess
 from tests.scenes import coil
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "runs"))

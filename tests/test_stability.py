@@ -7,13 +7,13 @@ import pytest
 from scipy.linalg import eigh, null_space
 
 import derod
-from derod.core.layout import X_C
-from derod.driver import frame_of
-from derod.encode import decode
-from derod.stability import analyse, inertia, lowest_mode, sliding_stiffness
-from derod.state import State
-from derod.system import System
-from tests.core.states import dense
+from derod.equilibrium.stability import analyse, inertia, lowest_mode, sliding_stiffness
+from derod.equilibrium.system import System
+from derod.push.driver import frame_of
+from derod.push.encode import decode
+from derod.rod.layout import X_C
+from derod.rod.state import State
+from tests.rod.states import dense
 
 SCENE = """
 [rod]
@@ -98,7 +98,7 @@ def test_a_stable_state_has_no_negative_eigenvalue() -> None:
 def test_the_slope_is_the_difference_of_neighbours() -> None:
     system, state = settled(0.2)
     here = analyse(system, state)
-    from derod.relax import make_relaxer, relax
+    from derod.equilibrium import make_relaxer, relax
 
     step = 1e-5
     sides = []

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 import derod
-from derod import driver
-from derod.encode import decode, encode
+from derod.equilibrium.system import System
+from derod.push import driver
+from derod.push.encode import decode, encode
 from derod.record import BaseRun
-from derod.state import State
-from derod.system import System
+from derod.rod.state import State
 from tests.scenes import coil
 
 NUMBERS = ("end_shortening", "end_tension", "energy_hat", "energy_bend", "wetted_length")

@@ -13,9 +13,9 @@ import numpy as np
 from matplotlib.figure import Figure
 from style import THEMES, Theme, add_output, parsed, save, started, use
 
-from derod.plots.movie import draw_curve, paint_coil
-from derod.plots.reading import open_files, run_shape
-from derod.plots.shapes import coil_angle
+from derod.views.plots.movie import draw_curve, paint_coil
+from derod.views.plots.reading import open_files, run_shape
+from derod.views.plots.shapes import coil_angle
 
 STEEP = 1.15  # rad, the eye's turn from the coil's axis
 

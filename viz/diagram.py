@@ -27,9 +27,9 @@ from style import (
     use,
 )
 
-from derod.plots.path import QUANTITIES, add_legend, draw_branch, draw_plateau
-from derod.plots.reading import branch_shape, open_files
-from derod.plots.specials import draw_specials
+from derod.views.plots.path import QUANTITIES, add_legend, draw_branch, draw_plateau
+from derod.views.plots.reading import branch_shape, open_files
+from derod.views.plots.specials import draw_specials
 
 LIMITS = {"end_tension": (-2.0, 24.0), "energy_hat": (0.0, 42.0)}
 MARKS = (

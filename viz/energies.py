@@ -9,9 +9,9 @@ from typing import Any
 from matplotlib.figure import Figure
 from style import THEMES, Theme, add_output, new_figure, parsed, save, started, use
 
-from derod.plots import energies
-from derod.plots.kinds import Options
-from derod.plots.reading import open_files
+from derod.views.plots import energies
+from derod.views.plots.kinds import Options
+from derod.views.plots.reading import open_files
 
 
 def figure(run: Any, theme: Theme) -> Figure:

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from style import LABELS, THEMES, Theme, add_output, new_figure, parsed, save, started, use
 
 from derod.branches.compare import compare
-from derod.plots.reading import open_files
+from derod.views.plots.reading import open_files
 
 PANELS = {
     "tension_error": r"$|\Delta t|\,/\,\max(1,t)$",

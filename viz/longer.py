@@ -15,7 +15,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from style import LABELS, THEMES, Theme, add_output, new_figure, parsed, save, started, use
 
-from derod.plots.reading import HARD_WALL, open_files, planar_intervals
+from derod.views.plots.reading import HARD_WALL, open_files, planar_intervals
 
 LOOKS = (("3D", "-"), ("Ax", (0, (5, 2))), ("L2", (0, (1, 1.5))))
 

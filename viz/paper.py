@@ -31,11 +31,11 @@ from tqdm import tqdm
 import derod
 from derod.branches.compare import compare
 from derod.cli import carry_out
-from derod.frames import Outcome
-from derod.outputs import replacing
-from derod.plots.reading import branch_shape
-from derod.stream.replay import is_branch_file
-from derod.terminal import say
+from derod.cli.terminal import say
+from derod.files.outputs import replacing
+from derod.push.frames import Outcome
+from derod.views.plots.reading import branch_shape
+from derod.views.stream.replay import is_branch_file
 
 ROOT = Path(__file__).resolve().parent.parent
 SCENES = ("text", "figures")

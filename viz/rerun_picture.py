@@ -13,11 +13,11 @@ import time
 from pathlib import Path
 
 from derod.cli import carry_out
-from derod.outputs import check_output, replacing
-from derod.stream.replay import replay_file
-from derod.stream.target import parse_target
-from derod.stream.viewers import VIEWER_MEMORY, close_recording, free_port, program
-from derod.terminal import say_done
+from derod.cli.terminal import say_done
+from derod.files.outputs import check_output, replacing
+from derod.views.stream.replay import replay_file
+from derod.views.stream.target import parse_target
+from derod.views.stream.viewers import VIEWER_MEMORY, close_recording, free_port, program
 
 SETTLE = 12.0  # s until the viewer has loaded everything and its notices are gone
 

@@ -14,9 +14,9 @@ import numpy as np
 from matplotlib.figure import Figure
 from style import THEMES, Theme, add_output, new_figure, parsed, save, started, use
 
-from derod.plots.path import family
-from derod.plots.reading import Shape, branch_shape, open_files, run_shape
-from derod.plots.shapes import draw_shapes
+from derod.views.plots.path import family
+from derod.views.plots.reading import Shape, branch_shape, open_files, run_shape
+from derod.views.plots.shapes import draw_shapes
 
 
 def figure(shapes: Sequence[Shape], theme: Theme, columns: int = 2) -> Figure:

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 import derod
-from derod.plots.reading import HARD_WALL, planar_intervals
+from derod.views.plots.reading import HARD_WALL, planar_intervals
 
 HEAD = (
     "| quantity | paper | branches, $v_0 = 2\\cdot10^{-4}$ | push | "

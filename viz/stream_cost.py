@@ -17,15 +17,15 @@ import time
 from pathlib import Path
 
 import derod
-from derod.stream.replay import replay_file
-from derod.stream.target import parse_target
-from derod.stream.viewers import close_recording
+from derod.views.stream.replay import replay_file
+from derod.views.stream.target import parse_target
+from derod.views.stream.viewers import close_recording
 
 ROOT = Path(__file__).resolve().parent.parent
 PUSH = """
 import sys, time
 import derod
-from derod.stream.observer import RerunStream
+from derod.views.stream.observer import RerunStream
 scene = derod.load_scene(sys.argv[1])
 class Clock:
     def start(self, scene, first): pass

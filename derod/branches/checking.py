@@ -9,10 +9,10 @@ from typing import Any
 import h5py
 import numpy as np
 
-from derod import hdf5
 from derod.errors import RecordError, shown_name
+from derod.files import Gate, checks, digest, open_gate
 
-DamageError = hdf5.checks.DamageError
+DamageError = checks.DamageError
 OLD_FORMAT = "derod-branches-1"
 FORMATS = (OLD_FORMAT, "derod-branches-2")
 DATASETS = ("table", "bifurcations", "nodes", "eta")
@@ -30,7 +30,7 @@ def format_of(path: str, file: h5py.File) -> str:
         raise RecordError(f"{path}: is a run file, not a branch file: try derod info {path}")
     if "format" not in file.attrs:
         raise RecordError(f"{path}: not a branch file of derod")
-    found = str(hdf5.checks.attribute(file, "format"))
+    found = str(checks.attribute(file, "format"))
     if found not in FORMATS:
         raise RecordError(
             f"{path}: not a branch file ({shown_name(found)}; allowed: {', '.join(FORMATS)})"
@@ -48,30 +48,30 @@ def number(attributes: Mapping[str, Any], name: str) -> float:
 
 def branch_names(file: h5py.File) -> list[str]:
     """The names of the branches, in the file's order."""
-    group = hdf5.checks.part(file, "branches")
+    group = checks.part(file, "branches")
     if not isinstance(group, h5py.Group) or len(group) > MOST_BRANCHES:
         raise DamageError("its branches are of another kind")
     return list(group)
 
 
-def checked_group(file: h5py.File, gate: hdf5.Gate, name: str, checksummed: bool) -> h5py.Group:
+def checked_group(file: h5py.File, gate: Gate, name: str, checksummed: bool) -> h5py.Group:
     """The group of a branch, every part of it looked at; raises DamageError."""
     from derod.branches.record import BIFURCATION, POINT
 
     gate.allow(0)
     place = f"branches/{name}"
-    group = hdf5.checks.part(file, place)
+    group = checks.part(file, place)
     if not isinstance(group, h5py.Group):
         raise DamageError(f"{place} is no group")
-    found = {part: hdf5.checks.dataset(file, gate, f"{place}/{part}") for part in DATASETS}
+    found = {part: checks.dataset(file, gate, f"{place}/{part}") for part in DATASETS}
     for part in DATASETS:
-        hdf5.checks.rows(found[part], gate, len(found[part]))
+        checks.rows(found[part], gate, len(found[part]))
     gate.allow(gate.size)
     _same(found["table"], POINT, place)
     _same(found["bifurcations"], BIFURCATION, place)
     if found["nodes"].shape[1:] != (NODE,) or found["eta"].ndim != 1:
         raise DamageError(f"{place} has arrays of another shape")
-    texts = hdf5.checks.attributes(group)
+    texts = checks.attributes(group)
     for text in TEXTS:
         if not isinstance(texts.get(text), str):
             raise DamageError(f"{place} lacks the attribute {text}")
@@ -85,7 +85,7 @@ def _same(found: h5py.Dataset, dtype: np.dtype, place: str) -> None:
     fields = {name: dtype[name] for name in dtype.names or ()}
     if found.ndim != 1:
         raise DamageError(f"{place} has a table of another shape")
-    hdf5.checks.same_types(found.dtype, fields, place)
+    checks.same_types(found.dtype, fields, place)
 
 
 def _check_counts(found: Mapping[str, h5py.Dataset], place: str) -> None:
@@ -104,8 +104,8 @@ def _check_counts(found: Mapping[str, h5py.Dataset], place: str) -> None:
 def group_check(name: str, group: h5py.Group) -> int:
     """The checksum of a branch: its name, its texts, its arrays."""
     texts = [f"{text}={group.attrs[text]}\0".encode("utf-8", "replace") for text in TEXTS]
-    tables = (hdf5.digest.table_digest(part.encode(), group[part][:]) for part in DATASETS)
-    return hdf5.digest.digest(
+    tables = (digest.table_digest(part.encode(), group[part][:]) for part in DATASETS)
+    return digest.digest(
         b"branch", 0, (name.encode(), *texts, *(table.to_bytes(8, "little") for table in tables))
     )
 
@@ -115,18 +115,18 @@ def head_check(attributes: Mapping[str, Any], names: list[str]) -> int:
     told = {name: value for name, value in attributes.items() if name not in UNTOLD}
     kind = b"complete" if attributes.get("complete") else b"partial"
     listed = "\0".join(names).encode("utf-8", "replace")
-    told_check = hdf5.digest.head_digest(listed, {"": told})
-    return hdf5.digest.digest(kind, 0, (told_check.to_bytes(8, "little"),))
+    told_check = digest.head_digest(listed, {"": told})
+    return digest.digest(kind, 0, (told_check.to_bytes(8, "little"),))
 
 
 def is_branch_file(path: str | os.PathLike[str]) -> bool:
     """Whether this is a file of ``derod branch``; False also for what cannot be read at all."""
     try:
-        gate, file = hdf5.open_gate(str(path), "a branch file")
+        gate, file = open_gate(str(path), "a branch file")
     except RecordError:
         return False
     try:
-        with hdf5.checks.judged(str(path)):
+        with checks.judged(str(path)):
             format_of(str(path), file)
     except RecordError:
         return False

@@ -5,8 +5,9 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING, Any
 
-from derod import lock, outputs, terminal
+from derod.cli import terminal
 from derod.errors import RecordError, SceneError
+from derod.files import lock, outputs
 from derod.scene import load_scene
 
 if TYPE_CHECKING:

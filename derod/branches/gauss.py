@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from derod import _cache
+from derod.algebra import cache as _cache
 
 _cache.point_numba_at_own_cache()  # all kernels of the branches are imported after this
 

@@ -19,15 +19,15 @@ from typing import TYPE_CHECKING, Any
 import h5py
 import numpy as np
 
-from derod import hdf5
 from derod.branches import checking
 from derod.branches.observables import SCALED
 from derod.branches.parameters import Parameters
 from derod.branches.stored import StoredBranch
+from derod.files import checks, open_gate
 
 if TYPE_CHECKING:
     from derod.branches.branch import Branch
-    from derod.plots.picture import Picture
+    from derod.views.plots.picture import Picture
 
 FORMAT = "derod-branches-2"
 POINT = np.dtype(
@@ -121,9 +121,9 @@ class BranchFile:
     def __init__(self, path: str | Path) -> None:
         self.path = Path(path)
         name = str(path)
-        self._gate, self._file = hdf5.open_gate(name, "a branch file")
+        self._gate, self._file = open_gate(name, "a branch file")
         try:
-            with hdf5.checks.judged(name):
+            with checks.judged(name):
                 self._read_head(name)
         except BaseException:
             self._gate.shut()
@@ -131,7 +131,7 @@ class BranchFile:
 
     def _read_head(self, path: str) -> None:
         self.checksummed = checking.format_of(path, self._file) == FORMAT
-        attrs = hdf5.checks.attributes(self._file)
+        attrs = checks.attributes(self._file)
         numbers = {f.name: checking.number(attrs, f.name) for f in fields(Parameters)}
         self.parameters = Parameters(**numbers)
         self.scene_text = str(attrs.get("scene", ""))
@@ -139,14 +139,14 @@ class BranchFile:
         self.complete = bool(attrs.get("complete", True))
         self.settings = str(attrs.get("settings", ""))
         if self.checksummed and checking.head_check(attrs, self.names) != attrs.get("check"):
-            raise hdf5.checks.DamageError("its head does not fit its checksum")
+            raise checks.DamageError("its head does not fit its checksum")
         self._loaded: dict[str, StoredBranch] = {}
 
     def __getitem__(self, name: str) -> StoredBranch:
         if name not in self.names:
             raise KeyError(f"{self.path}: no branch {name!r}; it has {', '.join(self.names)}")
         if name not in self._loaded:
-            with hdf5.checks.judged(str(self.path)):
+            with checks.judged(str(self.path)):
                 group = checking.checked_group(self._file, self._gate, name, self.checksummed)
                 self._loaded[name] = StoredBranch(name, group, self.parameters)
         return self._loaded[name]
@@ -173,8 +173,8 @@ class BranchFile:
         return list(self.names)
 
     def plot(self, kind: str = "path", *others: Any, **options: Any) -> Picture:
-        """Draw the branches, with ``others`` (runs) beside them; see ``derod.plots.plot``."""
-        from derod.plots import plot
+        """Draw the branches, with ``others`` (runs) beside them; see ``derod.views.plots.plot``."""
+        from derod.views.plots import plot
 
         return plot(kind, [self, *others], **options)
 

@@ -18,7 +18,7 @@ care:
 
   By Haynsworth's formula that is the count of the whole second variation, c free, wherever |m| is
   above the threshold; below it sliding counts as neutral. The discrete rod uses the same rule
-  (``derod.stability``), on its own numbers.
+  (``derod.equilibrium.stability``), on its own numbers.
 """
 
 from __future__ import annotations

@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING, Self
 import h5py
 import numpy as np
 
-from derod import hdf5, lock, outputs
 from derod.branches import checking
 from derod.branches.parameters import Parameters
 from derod.branches.record import FORMAT, write_branch
 from derod.errors import RecordError
+from derod.files import checks, lock, outputs
 
 if TYPE_CHECKING:
     from derod.branches.branch import Branch
@@ -105,7 +105,7 @@ class BranchWriter:
                 if not self._begun:
                     self._write_head(file)
                 change(file)
-                attributes = hdf5.checks.attributes(file)
+                attributes = checks.attributes(file)
                 check = checking.head_check(attributes, list(file["branches"]))
                 file.attrs["check"] = np.uint64(check)
             outputs.publish(passing, self.target, self._held)

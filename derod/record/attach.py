@@ -9,9 +9,9 @@ import h5py
 import numpy as np
 
 from derod.errors import RecordError
-from derod.hdf5.digest import table_digest
-from derod.lock import Lock
-from derod.outputs import passing_name, publish, sweep, words
+from derod.files.digest import table_digest
+from derod.files.lock import Lock
+from derod.files.outputs import passing_name, publish, sweep, words
 from derod.record import layout
 from derod.record.writer import locked
 

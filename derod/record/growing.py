@@ -18,10 +18,10 @@ import h5py
 import numpy as np
 
 from derod.errors import RecordError
-from derod.frames import Ending, Event, Frame
-from derod.hdf5.checks import attributes
-from derod.hdf5.digest import committed_digest, frame_digest, head_digest, record_digest
-from derod.lock import Lock
+from derod.files.checks import attributes
+from derod.files.digest import committed_digest, frame_digest, head_digest, record_digest
+from derod.files.lock import Lock
+from derod.push.frames import Ending, Event, Frame
 from derod.record import layout
 from derod.record.column import Cell, Column
 from derod.record.reader import Run

@@ -8,10 +8,10 @@ import h5py
 import numpy as np
 
 from derod.errors import RecordError
-from derod.frames import ROW, Ending, Outcome
-from derod.hdf5 import checks
-from derod.hdf5.digest import committed_digest, record_digest
-from derod.hdf5.gate import Gate
+from derod.files import checks
+from derod.files.digest import committed_digest, record_digest
+from derod.files.gate import Gate
+from derod.push.frames import ROW, Ending, Outcome
 from derod.record import layout
 
 

@@ -18,7 +18,7 @@
 ``time`` is the end-shortening (D), which drives the quasi-static push; ``step`` is the increment.
 What lies beyond ``committed`` is unfinished and never read.
 
-Everything is checksummed (``derod.hdf5.digest``): a frame, all its arrays included, in the last field of
+Everything is checksummed (``derod.files.digest``): a frame, all its arrays included, in the last field of
 its row, ``check``; events and the ending likewise; scene, versions and units in the root's attribute
 ``check``. Format 1, of derod 0.1, had none of these and is still read.
 """
@@ -27,7 +27,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from derod.frames import ROW
+from derod.push.frames import ROW
 
 FORMAT = 2
 """Version of this layout; readers refuse a newer one."""

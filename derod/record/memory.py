@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from derod.errors import RecordError
-from derod.frames import ROW, Ending, Event, Frame
+from derod.push.frames import ROW, Ending, Event, Frame
 from derod.record import layout
 from derod.record.run import BaseRun
 from derod.scene import Scene
@@ -59,11 +59,11 @@ class MemoryRun(BaseRun):
 
     @property
     def extrapolated(self) -> np.ndarray | None:
-        """The rows of ``derod.extrapolate``, or None."""
+        """The rows of ``derod.record.extrapolate``, or None."""
         return self._extrapolated
 
     def keep_extrapolated(self, table: np.ndarray) -> None:
-        """Keep the rows of ``derod.extrapolate``."""
+        """Keep the rows of ``derod.record.extrapolate``."""
         self._extrapolated = table
 
     def __len__(self) -> int:

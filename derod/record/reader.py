@@ -9,10 +9,10 @@ from typing import Any, Self
 import numpy as np
 
 from derod.errors import RecordError, SceneError
-from derod.frames import Ending, Event
-from derod.hdf5 import checks
-from derod.hdf5.digest import record_digest, table_digest
-from derod.hdf5.gate import Gate, open_gate
+from derod.files import checks
+from derod.files.digest import record_digest, table_digest
+from derod.files.gate import Gate, open_gate
+from derod.push.frames import Ending, Event
 from derod.record import layout
 from derod.record.head import Head, WrongKindError
 from derod.record.run import BaseRun
@@ -65,7 +65,7 @@ class Run(BaseRun):
 
     @property
     def extrapolated(self) -> np.ndarray | None:
-        """The rows of ``derod.extrapolate``, or None where the push was not extrapolated."""
+        """The rows of ``derod.record.extrapolate``, or None where the push was not extrapolated."""
         with checks.judged(self.path):
             if layout.EXTRAPOLATED not in self._file:
                 return None

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
-from derod.frames import Ending, Event, Frame, Outcome
+from derod.push.frames import Ending, Event, Frame, Outcome
 from derod.record import layout
 from derod.scene import Scene
 
 if TYPE_CHECKING:
-    from derod.plots.picture import Picture
-    from derod.si import SIReading
+    from derod.record.si import SIReading
+    from derod.views.plots.picture import Picture
 
 
 class BaseRun(ABC):
@@ -48,7 +48,7 @@ class BaseRun(ABC):
     @property
     @abstractmethod
     def extrapolated(self) -> np.ndarray | None:
-        """The rows of ``derod.extrapolate`` kept with the run; None where it was not extrapolated."""
+        """The rows of ``derod.record.extrapolate`` kept with the run; None where it was not extrapolated."""
 
     @abstractmethod
     def field(self, name: str, i: int) -> np.ndarray:
@@ -62,7 +62,7 @@ class BaseRun(ABC):
     @property
     def si(self) -> SIReading:
         """The run in SI; raises SceneError where its scene has no [material]."""
-        from derod.si import SIReading
+        from derod.record.si import SIReading
 
         return SIReading(self)
 
@@ -98,8 +98,8 @@ class BaseRun(ABC):
         )
 
     def plot(self, kind: str = "path", *others: Any, **options: Any) -> Picture:
-        """Draw the run, with ``others`` (runs, branch files) beside it; see ``derod.plots.plot``."""
-        from derod.plots import plot
+        """Draw the run, with ``others`` (runs, branch files) beside it; see ``derod.views.plots.plot``."""
+        from derod.views.plots import plot
 
         return plot(kind, [self, *others], **options)
 

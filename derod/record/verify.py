@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from derod.errors import RecordError
-from derod.hdf5.digest import frame_digest, head_digest
+from derod.files.digest import frame_digest, head_digest
 from derod.record import layout
 
 if TYPE_CHECKING:

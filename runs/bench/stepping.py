@@ -7,11 +7,11 @@ import time
 import numpy as np
 
 import derod
-from derod.driver import frame_of
-from derod.encode import decode
-from derod.relax import make_relaxer, relax
-from derod.state import State
-from derod.system import System
+from derod.equilibrium import make_relaxer, relax
+from derod.equilibrium.system import System
+from derod.push.driver import frame_of
+from derod.push.encode import decode
+from derod.rod.state import State
 
 DISTURBANCE = 1e-3  # D
 BATCHES = 40

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from derod.frames import Ending, Event, Frame
-from derod.relax import Report
+from derod.equilibrium import Report
+from derod.equilibrium.system import System
+from derod.push.frames import Ending, Event, Frame
+from derod.rod.state import State
 from derod.scene import Scene
-from derod.state import State
-from derod.system import System
 
 ROUNDING = 1e-10  # of the energies' size
 

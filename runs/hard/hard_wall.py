@@ -13,11 +13,11 @@ from scipy.interpolate import CubicSpline
 
 import derod
 from derod.branches.record import open_branches
-from derod.core.layout import S_A, S_B, X_C
-from derod.relax import make_relaxer, relax
-from derod.stability import analyse
-from derod.state import State
-from derod.system import System
+from derod.equilibrium import make_relaxer, relax
+from derod.equilibrium.stability import analyse
+from derod.equilibrium.system import System
+from derod.rod.layout import S_A, S_B, X_C
+from derod.rod.state import State
 
 PLACE = 1.5 * np.pi  # on the plateau of Pt
 SOFTNESS = (0.1, 0.005)

@@ -18,14 +18,14 @@ from hard.checks import Check
 from hard.hard_wall import pt_at_a_hard_wall
 
 import derod
-from derod.driver import frame_of
-from derod.encode import decode
-from derod.guess import bent_guess
+from derod.equilibrium import make_relaxer, relax
+from derod.equilibrium.stability import analyse
+from derod.equilibrium.system import System
+from derod.push.driver import frame_of
+from derod.push.encode import decode
+from derod.push.guess import bent_guess
 from derod.record import BaseRun, open_run
-from derod.relax import make_relaxer, relax
-from derod.stability import analyse
-from derod.state import State
-from derod.system import System
+from derod.rod.state import State
 
 SCENE = Path(__file__).parents[1] / "paper-text.toml"
 Trial = tuple[str, str, Check, str]
@@ -218,7 +218,7 @@ def poisoned() -> Trial:
         return systems[0]
 
     rows, node = 12, 40
-    with tempfile.TemporaryDirectory() as folder, patch("derod.driver.System", remembered):
+    with tempfile.TemporaryDirectory() as folder, patch("derod.push.driver.System", remembered):
         scene = paper({"mesh.edges": 100, "push.stop": "0.5 pi"})
         run = derod.push(scene, Path(folder) / "run.h5", [Poison(systems, rows, node)])
         with run:

@@ -11,7 +11,7 @@ import pytest
 
 from derod.cli import main
 from derod.errors import DerodError
-from derod.export import export
+from derod.views.export import export
 
 TYPES = {"Float32": "<f4", "Float64": "<f8", "Int32": "<i4", "Int64": "<i8", "UInt8": "u1"}
 
@@ -74,9 +74,9 @@ def test_csv_of_a_run_reads_back_exactly(run_file, run, capsys):
 
 def test_every_number_with_a_dimension_has_its_unit():
     from derod.branches.record import POINT
-    from derod.export.table import LEFT_OUT, POINT_UNITS
-    from derod.frames import ROW
+    from derod.push.frames import ROW
     from derod.record.layout import ROW_UNITS
+    from derod.views.export.table import LEFT_OUT, POINT_UNITS
 
     for dtype, units in ((ROW, ROW_UNITS), (POINT, POINT_UNITS)):
         floats = {name for name in dtype.names if dtype[name].kind == "f"} - set(LEFT_OUT)
@@ -143,7 +143,7 @@ def test_vtk_frames_hold_the_drop(run, tmp_path):
 
 
 def test_a_push_that_turns_back_has_increments_for_times(run):
-    from derod.export.series import times
+    from derod.views.export.series import times
 
     table = run.table.copy()
     table["end_shortening"][20:] = table["end_shortening"][19:9:-1]
@@ -182,7 +182,7 @@ def test_refusals_leave_everything_as_it_was(run, ax, tmp_path):
 def test_a_file_is_whole_or_absent(tmp_path, monkeypatch, force):
     from pathlib import Path
 
-    from derod.export.output import write_file
+    from derod.views.export.output import write_file
 
     out = tmp_path / "a.csv"
     write = Path.write_bytes
@@ -201,7 +201,7 @@ def test_a_file_is_whole_or_absent(tmp_path, monkeypatch, force):
 
 
 def test_a_file_that_came_in_between_is_kept(tmp_path):
-    from derod.export.output import write_file
+    from derod.views.export.output import write_file
 
     out = tmp_path / "a.csv"
     out.write_bytes(b"another's")

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from derod.cli import main
-from derod.exits import UsageError
+from derod.cli.exits import UsageError
 
 
 def test_default_name_beside_the_file_and_no_overwriting(run_file, capsys):
@@ -93,7 +93,7 @@ def test_a_notebook_gets_a_picture_and_settings_stay(run):
 def test_show_opens_the_picture_that_was_drawn(run, monkeypatch):
     import matplotlib.pyplot as plt
 
-    from derod.plots import picture
+    from derod.views.plots import picture
 
     shown = []
     monkeypatch.setattr(picture, "NO_WINDOWS", set())
@@ -149,7 +149,7 @@ def test_movie(run_file, capsys):
 
 
 def test_moments_go_evenly_along_the_way_and_hold_the_end(run):
-    from derod.plots.movie import moments
+    from derod.views.plots.movie import moments
 
     shown = moments(run, 50)
     assert shown[0] == 0 and (shown[-6:] == 29).all()
@@ -161,7 +161,7 @@ def test_moments_go_evenly_along_the_way_and_hold_the_end(run):
 
 
 def test_an_mp4_needs_ffmpeg(run, tmp_path, monkeypatch):
-    from derod.plots import movie
+    from derod.views.plots import movie
 
     monkeypatch.setattr(movie.shutil, "which", lambda name: None)
     with pytest.raises(UsageError, match="no ffmpeg"):

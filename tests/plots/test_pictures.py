@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from derod.frames import Event
+from derod.push.frames import Event
 
 
 def lines(axes, start):
@@ -90,7 +90,7 @@ def test_path_of_branches_with_a_run(ax, along_ax):
 
 
 def test_pitchforks_are_no_circles_and_drawn_without_their_partner(branches, run):
-    from derod.plots import plot
+    from derod.views.plots import plot
 
     axes = plot("path", [run, branches]).axes[0]
     (joint,) = lines(axes, "specials pitchfork")
@@ -106,7 +106,7 @@ def test_pitchforks_are_no_circles_and_drawn_without_their_partner(branches, run
 
 
 def test_limits_leave_out_only_what_is_unstable_and_far(branches, run):
-    from derod.plots.path import limits
+    from derod.views.plots.path import limits
 
     low, high = limits([run], [branches], "end_tension")
     seen = np.concatenate([run.table["end_tension"], branches["3D"].table["end_tension"]])
@@ -133,7 +133,7 @@ def test_shapes_of_a_run(run):
 
 
 def test_shapes_of_a_branch_are_solved_there(ax):
-    from derod.plots.shapes import branch_states
+    from derod.views.plots.shapes import branch_states
 
     delta = 0.7 * np.pi
     found = branch_states(ax, [delta], ["Ax"])
@@ -163,7 +163,7 @@ def test_energies_stack_to_the_total(run):
 
 
 def test_kymograph_holds_curvature_and_tension(run):
-    from derod.stream.fields import curvature
+    from derod.views.stream.fields import curvature
 
     picture = run.plot("kymograph")
     kappa, tension = (axes.collections[0] for axes in picture.axes[:2])

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 from derod.errors import RecordError
-from derod.frames import ROW
-from derod.hdf5 import superblock
+from derod.files import superblock
+from derod.push.frames import ROW
 from derod.record import RunWriter, attach_extrapolated, layout, open_run, resume_copy
 from tests.synthetic import drive, is_frame, make_event, make_frame, small_scene
 
@@ -135,7 +135,7 @@ def test_a_run_goes_on_from_whole_rows_only(tmp_path: Path, finished: bytes) -> 
 
 
 def test_extrapolated_rows_are_checksummed(tmp_path: Path, finished: bytes) -> None:
-    from derod.extrapolate import DTYPE
+    from derod.record.extrapolate import DTYPE
 
     path = tmp_path / "run.h5"
     path.write_bytes(finished)

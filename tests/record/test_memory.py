@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from derod.errors import RecordError
-from derod.frames import ROW, Outcome
+from derod.push.frames import ROW, Outcome
 from derod.record import MemoryRun
 from tests.synthetic import drive, make_frame, small_scene
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from derod.errors import RecordError
-from derod.frames import ROW, Ending, Outcome
+from derod.push.frames import ROW, Ending, Outcome
 from derod.record import BaseRun, MemoryRun, RunWriter, open_run
 from tests.synthetic import drive, is_frame, make_event, make_frame, small_scene
 

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from derod.stream.drawing import Batch, draw, shown_nodes
+from derod.views.stream.drawing import Batch, draw, shown_nodes
 from tests.synthetic import SCENE_TEXT, make_frame, small_scene
 
 

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 import derod
-from derod.frames import Ending, Event, Outcome
-from derod.relax import Report
-from derod.state import State
-from derod.stream.observer import MOST_STEPS, RelaxationWatch, RerunStream
+from derod.equilibrium import Report
+from derod.push.frames import Ending, Event, Outcome
+from derod.rod.state import State
+from derod.views.stream.observer import MOST_STEPS, RelaxationWatch, RerunStream
 from tests.stream.reading import read_rrd
 from tests.synthetic import make_frame, small_scene
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from derod.record import RunWriter, open_run
-from derod.stream.replay import lowest_sheet, replay_branches, replay_file, sheets
-from derod.stream.target import parse_target
-from derod.stream.viewers import close_recording
+from derod.views.stream.replay import lowest_sheet, replay_branches, replay_file, sheets
+from derod.views.stream.target import parse_target
+from derod.views.stream.viewers import close_recording
 from tests.stream.reading import read_rrd, seconds
 from tests.stream.test_stream import PLOTS, SHAPES
 from tests.synthetic import drive, small_scene

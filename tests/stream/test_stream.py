@@ -11,13 +11,13 @@ import time
 import numpy as np
 import pytest
 
-from derod.frames import Frame
+from derod.push.frames import Frame
 from derod.record import MemoryRun
-from derod.stream import observer
-from derod.stream.observer import RerunStream
-from derod.stream.pipe import Pipe
-from derod.stream.target import proxy_url
-from derod.stream.viewers import free_port, listens, program
+from derod.views.stream import observer
+from derod.views.stream.observer import RerunStream
+from derod.views.stream.pipe import Pipe
+from derod.views.stream.target import proxy_url
+from derod.views.stream.viewers import free_port, listens, program
 from tests.stream.reading import read_rrd, seconds
 from tests.synthetic import drive, small_scene
 
@@ -180,9 +180,9 @@ def test_rerun_is_imported_by_nobody_but_the_relay(tmp_path):
     scene.write_text(small_scene().text)
     for extra in ([], ["--rerun", str(tmp_path / "a.rrd")]):
         code = (
-            "import sys, derod.api, derod.commands\n"
+            "import sys, derod.api, derod.cli.commands\n"
             "from derod import cli\n"
-            "from derod.stream.cli import make_observers\n"
+            "from derod.views.stream.cli import make_observers\n"
             f"words = ['push', {str(scene)!r}, '-o', 'x.h5', *{extra}]\n"
             "args = cli.build_parser().parse_args(words)\n"
             "from tests.synthetic import drive\n"

@@ -1,7 +1,7 @@
 import pytest
 
-from derod.stream.cli import ViewError, parse_increments
-from derod.stream.target import TargetError, parse_target
+from derod.views.stream.cli import ViewError, parse_increments
+from derod.views.stream.target import TargetError, parse_target
 
 
 def test_places(tmp_path):

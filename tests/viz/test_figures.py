@@ -14,7 +14,7 @@ def lines(axes, start):
 
 @pytest.fixture(params=["light", "dark"])
 def theme(request):
-    from derod.plots.style import THEMES
+    from derod.views.plots.style import THEMES
 
     return THEMES[request.param]
 
@@ -49,7 +49,7 @@ def test_diagram(run, branches, theme):
 def test_diagram_of_branches_that_nobody_counted(branches):
     import diagram
 
-    from derod.plots.style import LIGHT
+    from derod.views.plots.style import LIGHT
 
     for branch in branches.values():
         branch.table["unstable_modes"] = -1
@@ -66,7 +66,7 @@ def test_colours_of_a_theme_differ(theme):
 def test_shapes(run, branches, theme):
     import shapes
 
-    from derod.plots.reading import branch_shape, run_shape
+    from derod.views.plots.reading import branch_shape, run_shape
 
     states = [run_shape(run, 2.0), branch_shape(branches["3D"], 2.0)]
     assert states[0].end_shortening == pytest.approx(2.0)
@@ -88,9 +88,9 @@ def test_shapes(run, branches, theme):
 def test_the_tube_is_painted_back_to_front(run):
     import shapes
 
-    from derod.plots.painter import finer, tube_in_view, turned
-    from derod.plots.reading import run_shape
-    from derod.plots.style import LIGHT
+    from derod.views.plots.painter import finer, tube_in_view, turned
+    from derod.views.plots.reading import run_shape
+    from derod.views.plots.style import LIGHT
 
     shape = run_shape(run, 2.0)
     eye = turned(0.7)
@@ -108,7 +108,7 @@ def test_the_tube_is_painted_back_to_front(run):
 def test_clamps_are_drawn_where_the_rod_ends_in_view(run):
     import cover
 
-    from derod.plots.style import DARK
+    from derod.views.plots.style import DARK
 
     made = cover.figure(run, 3.0, DARK)
     assert "clamp" not in [patch.get_gid() for patch in made.axes[0].patches]
@@ -121,7 +121,7 @@ def test_clamps_are_drawn_where_the_rod_ends_in_view(run):
 def test_energies_add_up(run, theme):
     import energies
 
-    from derod.plots.energies import parts
+    from derod.views.plots.energies import parts
 
     assert sum(parts(run).values()) == pytest.approx(run.table["energy_hat"])
     axes = energies.figure(run, theme).axes[0]
@@ -132,7 +132,7 @@ def test_energies_add_up(run, theme):
 def test_kymograph(run, theme):
     import kymograph
 
-    from derod.plots.kymograph import PIXELS, images
+    from derod.views.plots.kymograph import PIXELS, images
 
     s, kappa, tension = images(run, 3.0)
     assert kappa.shape == tension.shape == (PIXELS, 30)
@@ -164,8 +164,8 @@ def test_error_panels(theme):
 def test_planar_intervals_and_the_diagram_of_the_longer_rod(run):
     import longer
 
-    from derod.plots.reading import planar_intervals
-    from derod.plots.style import LIGHT
+    from derod.views.plots.reading import planar_intervals
+    from derod.views.plots.style import LIGHT
 
     spans = planar_intervals(run)
     assert spans == [pytest.approx((0.1, 1.0))]
@@ -177,7 +177,7 @@ def test_planar_intervals_and_the_diagram_of_the_longer_rod(run):
 
 
 def test_stretches_change_at_neutral_points_and_share_them():
-    from derod.plots.reading import stretches
+    from derod.views.plots.reading import stretches
 
     assert stretches([True, True, False, False, True]) == [(0, 1, True), (1, 4, False)]
     for at_the_point in (True, False):
@@ -190,7 +190,7 @@ def test_files_are_written_as_vectors_and_pixels(run, tmp_path):
     import energies
     from style import save
 
-    from derod.plots.style import LIGHT
+    from derod.views.plots.style import LIGHT
 
     save(energies.figure(run, LIGHT), [tmp_path / "a.pdf", tmp_path / "b" / "a.png"])
     assert (tmp_path / "a.pdf").read_bytes().startswith(b"%PDF")
@@ -201,8 +201,8 @@ def test_figures_are_outputs_like_any_other(run, tmp_path):
     import energies
     from style import save
 
-    from derod.outputs import OutputError
-    from derod.plots.style import LIGHT
+    from derod.files.outputs import OutputError
+    from derod.views.plots.style import LIGHT
 
     path = tmp_path / "a.png"
     path.write_text("precious")
@@ -219,7 +219,7 @@ def test_figures_are_outputs_like_any_other(run, tmp_path):
 def test_what_was_interrupted_is_not_taken_for_finished(tmp_path):
     import paper
 
-    from derod.frames import Ending, Outcome
+    from derod.push.frames import Ending, Outcome
     from derod.record import RunWriter
     from tests.synthetic import make_frame, small_scene
 

@@ -1,9 +1,0 @@
-"""HDF5 files of ours and of strangers: read in bounded time and memory, and held against checksums.
-
-Run files and branch files share this, and nothing else.
-"""
-
-from derod.hdf5 import checks, digest
-from derod.hdf5.gate import Gate, open_gate, reason
-
-__all__ = ["Gate", "checks", "digest", "open_gate", "reason"]

@@ -1,0 +1,144 @@
+"""What a push hands to those who watch it: frames, events and the final outcome.
+
+One frame is one settled increment. The HDF5 writer, the progress bar and the rerun stream are all
+observers: they receive the same frames and never act on the push.
+Lengths are in D, forces in K0/D^2, energies in K0/D, angles in radians, times in seconds.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import TYPE_CHECKING, Protocol, runtime_checkable
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from derod.equilibrium.loop import Report
+    from derod.rod.state import State
+    from derod.scene import Scene
+
+ROW = np.dtype(
+    [
+        ("increment", "i8"),
+        ("end_shortening", "f8"),  # delta
+        ("end_rotation", "f8"),  # R
+        ("end_tension", "f8"),  # t = -dE_tot/ddelta
+        ("energy_hat", "f8"),  # E_tot + f_gamma (delta + 1)
+        ("energy_total", "f8"),  # bend + twist + wall + capillary (+ weight)
+        ("energy_bend", "f8"),
+        ("energy_twist", "f8"),
+        ("energy_wall", "f8"),
+        ("energy_capillary", "f8"),  # -f_gamma (s_B - s_A)
+        ("wetted_length", "f8"),  # s_B - s_A
+        ("meniscus_a", "f8"),  # s_A
+        ("meniscus_b", "f8"),  # s_B
+        ("force_a", "f8"),  # f_A, toward the drop's centre, sys:meniscus-force
+        ("force_b", "f8"),
+        ("holonomy", "f8"),  # psi, followed through 2 pi
+        ("slide_force", "f8"),  # multiplier of the pinned sliding mode, zero up to discretisation
+        ("wall_gap", "f8"),  # least 1 + rho - 2 r over the wetted nodes
+        ("unstable_modes", "i4"),  # the drop held in its place along the rod
+        (
+            "slides",
+            "?",
+        ),  # sliding the drop along the rod is one more (``derod.equilibrium.stability``)
+        (
+            "converged",
+            "?",
+        ),  # whether the residual, taken anew from what is recorded, meets its tolerance
+        ("residual", "f8"),
+        ("iterations", "i4"),
+        (
+            "work_defect",
+            "f8",
+        ),  # energy beyond the end's work since the row before, zero but for snaps
+        ("turning_angle", "f8"),  # the largest at a node
+        ("segment", "i4"),  # which leg of push.stop: 0, 1, ...
+        ("smooth", "?"),  # reached along the branch from the row before: no kick, no snap
+        ("landing", "?"),  # this end-shortening was asked for in push.at, or is a turning point
+        ("next_step", "f8"),  # what the driver would try next (end-shortening), for resuming
+        ("wall_time", "f8"),  # seconds since the push began
+    ]
+)
+"""One row of the run table."""
+
+SCALARS = tuple(name for name in ROW.names or () if name != "increment")
+
+
+@dataclass(frozen=True, slots=True)
+class Frame:
+    """One settled increment: a ROW and the fields that drawing and resuming need."""
+
+    row: np.void  # of dtype ROW
+    positions: np.ndarray  # (N+1, 3), nodes, D
+    arc_length: np.ndarray  # (N+1,), of the nodes, D
+    drop_center: np.ndarray  # (3,), D
+    edge_tension: np.ndarray  # (N,), K0/D^2
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """Something that happened between two frames.
+
+    kind: "instability" (a kick along an unstable mode and the descent from it), "snap" (no
+    neighbouring state: descent over a fold), "halving" (an increment did not converge, or its
+    energy did not balance, and is retried), "turn" (a turning point of push.stop), "coarse" (a warning:
+    the mesh is too coarse for the coil).
+    """
+
+    increment: int  # the frame that follows it
+    kind: str
+    end_shortening: float
+    energy_before: float  # E_hat, nan where it has no meaning
+    energy_after: float
+    message: str
+
+
+class Outcome(StrEnum):
+    """How a push ended."""
+
+    COMPLETED = "completed"
+    ROD_RAN_OUT = "rod_ran_out"
+    NOT_CONVERGED = "not_converged"
+    DIVERGED = "diverged"
+    OUT_OF_BALANCE = "out_of_balance"  # only states were found that gain energy over the end's work
+    INTERRUPTED = "interrupted"
+    RECORD_FAILED = "record_failed"
+
+
+@dataclass(frozen=True, slots=True)
+class Ending:
+    """The outcome of a push, and where and why it ended."""
+
+    outcome: Outcome
+    message: str
+    end_shortening: float
+
+
+class Observer(Protocol):
+    """Watches a push. Methods are called in the order start, (event | frame)*, finish."""
+
+    def start(self, scene: Scene, first_increment: int) -> None:
+        """Begin; ``first_increment`` is 0, or the number of frames a resumed run already has."""
+
+    def event(self, event: Event) -> None:
+        """An event; the frame with index ``event.increment`` follows, if the push gets there."""
+
+    def frame(self, frame: Frame) -> None:
+        """A settled increment. When this returns, the writer has committed it."""
+
+    def finish(self, ending: Ending) -> None:
+        """The push is over, however it ended."""
+
+
+@runtime_checkable
+class RelaxationObserver(Protocol):
+    """An observer that also watches the steps inside an increment."""
+
+    def relaxation(self, increment: int, iteration: int, state: State, report: Report) -> None:
+        """A step toward the frame ``increment``, which may need several relaxations.
+
+        The state is the relaxation's own: copy what shall be kept. Its forces, and the report's, are in units
+        of the scene's bending stiffness over D^2.
+        """

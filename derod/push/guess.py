@@ -1,0 +1,51 @@
+"""A first state: the straight rod, bent a little inside the drop, in its plane."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.optimize import brentq
+
+from derod.equilibrium.system import System
+from derod.rod.layout import S_A, S_B, X_C
+from derod.rod.state import State
+
+BUMP_WIDTH = 0.35  # D, of the odd tangent angle's bump
+
+
+def bent_guess(system: System, end_shortening: float) -> State:
+    """Return a planar, inextensible guess with the given end-shortening (D); not an equilibrium.
+
+    The tangent's angle is a odd bump about the drop's centre, scaled to use up the end-shortening.
+    """
+    physics, d = system.physics, system.dimension
+    state = State(np.zeros((system.edges + 1, d + 1)), np.zeros(d + 5), 0.0, end_shortening)
+    if physics.drop:
+        wetted = min(1 + end_shortening, 0.5 * (1 + physics.length))
+        middle = 0.5 * physics.length
+        state.b[S_A], state.b[S_B] = middle - 0.5 * wetted, middle + 0.5 * wetted
+    rest = system.rest_lengths(state)
+    nodes = system.arc_length(state)
+    place = 0.5 * (nodes[1:] + nodes[:-1]) - 0.5 * physics.length
+    if physics.drop:
+        place /= BUMP_WIDTH
+        shape = place * np.exp(-0.5 * place**2)
+    else:  # the clamped rod's first buckling mode
+        shape = np.sin(2 * np.pi * place / physics.length)
+    amplitude = brentq(
+        lambda a: np.sum(rest * (1 - np.cos(a * shape))) - end_shortening, 0.0, np.pi
+    )
+    state.q[1:, d - 1] = np.cumsum(rest * np.cos(amplitude * shape))
+    state.q[1:, d - 2] = np.cumsum(rest * np.sin(amplitude * shape))
+    state.q[-1, d - 2] = 0.0
+    state.clamp_at(end_shortening, physics.length)
+    if not physics.drop:
+        state.q[1:, d] = -4 * np.pi**2 / physics.length**2
+        return state
+    kin = system.room.kin
+    tension = 0.2 * physics.capillary_force
+    state.q[1:, d] = tension
+    state.q[1 + kin.node_a : 1 + kin.node_b, d] = tension - physics.capillary_force
+    menisci = state.q[[kin.node_a, kin.node_b], :d]
+    state.b[X_C : X_C + d] = menisci.mean(axis=0)
+    state.b[X_C + d : X_C + d + 2] = physics.capillary_force
+    return state

@@ -1,0 +1,35 @@
+"""Predict the state at the next end-shortening from the branch's slope and the state before."""
+
+from __future__ import annotations
+
+from derod.equilibrium.stability import Equilibrium
+from derod.equilibrium.system import System
+from derod.push.prediction import extrapolate
+from derod.rod.state import State
+
+LONGEST_LOOK_AHEAD = 2.5  # of the last increment, for the second order
+
+
+def predict(
+    system: System, state: State, here: Equilibrium, before: State | None, target: float
+) -> State | None:
+    """Return a guess of the state at end-shortening ``target`` (D), or None where none is sound.
+
+    Second order where ``before``, the state before on the same branch, is near enough; first order
+    otherwise; along the wall's curve where a straight prediction runs into it. Near a joint or a fold the
+    slope is steep, and only a shorter step has a sound guess (``push.prediction``).
+    """
+    h = target - state.end_shortening
+    back = 0.0 if before is None else before.end_shortening - state.end_shortening
+    old = state if before is None else before
+    orders = (back, 0.0) if back != 0.0 and abs(h / back) <= LONGEST_LOOK_AHEAD else (0.0,)
+    guess = state.copy()
+    for follow_wall in (False, True):
+        for reach in orders:
+            if extrapolate(
+                system.physics, system.room.kin, state.q, state.b, here.slope_q, here.slope_b, h,
+                old.q, old.b, reach, follow_wall, guess.q, guess.b,
+            ):  # fmt: skip
+                guess.clamp_at(target, system.physics.length)
+                return guess
+    return None

@@ -1,0 +1,1 @@
+"""The constraints of the rod, one a file."""

@@ -1,0 +1,177 @@
+"""How a state is laid out in arrays, and the constants a kernel needs.
+
+State
+    ``q``, shape (N+1, d+1): row i is node i's position x_i (d numbers, D) followed by the tension
+    (K0/D^2) of the edge that ends there, lambda_i. Row 0 is the start clamp, with no tension.
+    ``b``, shape (d+5,): s_A, s_B, x_C (d), f_A, f_B and the slide force eta.
+    d = 3, or 2 where the scene is planar; the clamp axis is the last coordinate.
+
+Edge form
+    Terms that depend on edges are differentiated by edges and turned into node form once, in
+    ``assembly``. Edge e runs from node e-1 to node e and its tension is q[e, d], e = 1 ... N. The
+    clamps' tangents stand in for the edges 0 and N+1, of rest length 0; vertex i joins the edges i and
+    i+1. Arrays "by edge" have N+2 entries, "by vertex" N+1. What the gradient reads has a row for every
+    component, and its loops fill one array each, so that they run on several edges at once.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+S_A, S_B, X_C = 0, 1, 2  # places in ``b``; f_A, f_B, eta follow the d numbers of x_C
+
+
+class Physics(NamedTuple):
+    """Dimensionless constants of a scene (eq:adim), with K0 = 1."""
+
+    axis: tuple[float, ...]  # clamp tangent e_z; its length is the dimension d
+    twisting: float  # k3
+    capillary_force: float  # f_gamma
+    wall_strength: float  # v0
+    wall_softness: float  # rho
+    length: float  # l
+    drop: bool  # whether there is one; without, b is idle
+
+
+class Mesh(NamedTuple):
+    """The arc-length grid: N edges in three regions, [0, s_A], [s_A, s_B], [s_B, l] (``rod.grid``).
+
+    Without a drop all edges are "inside", fractions of l, and there are no menisci.
+    """
+
+    outside: int  # edges in each outer region
+    inside: np.ndarray  # fractions of the wetted length, one an inner edge
+    quadrature: np.ndarray  # weights of an integral over the wetted part, one an inner node
+    layer: float  # D, the length over which the outer edges stay short
+
+    @property
+    def edges(self) -> int:
+        """Return N."""
+        return 2 * self.outside + self.inside.size
+
+
+class Kinematics(NamedTuple):
+    """What every term reads, computed once a state."""
+
+    rest: np.ndarray  # (N+2,) rest lengths l, D
+    slope: np.ndarray  # (2, N+2) dl/ds_A, dl/ds_B
+    curve: np.ndarray  # (2, N+2) second derivatives; the mixed one is zero
+    size: np.ndarray  # (N+2,) |e|, D
+    inverse: np.ndarray  # (N+2,) 1/|e|
+    tangent: np.ndarray  # (d, N+2) e / |e|
+    change: np.ndarray  # (d, N+1) of the tangent at a vertex
+    fall: np.ndarray  # (N+1,) 1 - cos phi of the turning angles
+    weight: np.ndarray  # (N+1,) 1 / (l_i + l_{i+1})
+    difference: np.ndarray  # (d, N+2) of the curvatures at an edge's ends
+    along: np.ndarray  # (N+2,) t . (alpha t_+ + beta t_-), see ``defect``
+    normal: np.ndarray  # (d, N+1) t_i x t_{i+1}, in three dimensions
+    turn: np.ndarray  # (N+1,) phi^2
+    turn_slope: np.ndarray  # (N+1,) d phi^2 / d(1 - cos phi)
+    share: np.ndarray  # (N+1,) quadrature weights, of the wetted length; fixed
+    barrier: np.ndarray  # (N+1,) the wall's stiffness against moving a node outward, K0/D^3
+    node_a: int  # the menisci's nodes
+    node_b: int
+
+
+class Gradient(NamedTuple):
+    """First derivatives of the Lagrangian, in edge and node form."""
+
+    direction: np.ndarray  # (d, N+2) by e/|e|, not yet made perpendicular to it
+    edge: np.ndarray  # (d, N+2) by e
+    node: np.ndarray  # (N+1, d) by x_i, what depends on x_i - x_C
+    rest: np.ndarray  # (N+2,) by l, which takes it to s_A and s_B
+    dual: np.ndarray  # (N+1,) by l_i + l_{i+1}
+    constraint: np.ndarray  # (N+2,) by lambda: the stretch constraint g
+    pull: np.ndarray  # (N+2,) force along the edge
+    border: np.ndarray  # (d+5,) by b
+    holonomy: np.ndarray  # (d, N+2) of psi by e
+    by_edge: np.ndarray  # (N+2,) room
+    by_vertex: np.ndarray  # (N+1,) room
+
+
+class Hessian(NamedTuple):
+    """Second derivatives of the Lagrangian, in edge and node form; they work edge by edge."""
+
+    tangent: np.ndarray  # (N+2, d) the tangents once more, a row an edge
+    difference: np.ndarray  # (N+2, d) and the differences of curvature
+    edge: np.ndarray  # (N+2, d, d) by e e
+    vertex: np.ndarray  # (N+1, d, d) by e_i e_{i+1}
+    skip: np.ndarray  # (N+2, d, d) by e_{i-1} e_{i+1}
+    node: np.ndarray  # (N+1, d, d) by x_i x_i, what depends on x_i - x_C
+    constraint: np.ndarray  # (N+2, 3, d) of g_e by e-1, e, e+1
+    edge_menisci: np.ndarray  # (2, N+2, d) by e and s_A, s_B
+    node_menisci: np.ndarray  # (2, N+1, d) by x_i and s_A, s_B, what is not in ``edge_menisci``
+    constraint_menisci: np.ndarray  # (2, N+2) of g by s_A, s_B
+    border: np.ndarray  # (d+5, d+5) by b b
+
+
+def new_kinematics(mesh: Mesh, physics: Physics) -> Kinematics:
+    """Return room for the kinematics of a mesh, the clamps' tangents filled in.
+
+    Without a drop the menisci's nodes span an empty range.
+    """
+    d, n = len(physics.axis), mesh.edges + 2
+    node_a, node_b = mesh.outside, mesh.outside + mesh.inside.size
+    tangent = np.zeros((d, n))
+    tangent[:, 0] = tangent[:, -1] = physics.axis
+    share = np.zeros(n - 1)
+    if physics.drop:
+        share[node_a : node_b + 1] = mesh.quadrature
+    return Kinematics(
+        rest=np.zeros(n),
+        slope=np.zeros((2, n)),
+        curve=np.zeros((2, n)),
+        size=np.ones(n),
+        inverse=np.ones(n),
+        tangent=tangent,
+        change=np.zeros((d, n - 1)),
+        fall=np.zeros(n - 1),
+        weight=np.zeros(n - 1),
+        difference=np.zeros((d, n)),
+        along=np.zeros(n),
+        normal=np.zeros((d, n - 1)),
+        turn=np.zeros(n - 1),
+        turn_slope=np.zeros(n - 1),
+        share=share,
+        barrier=np.zeros(n - 1),
+        node_a=node_a if physics.drop else 1,
+        node_b=node_b if physics.drop else 0,
+    )
+
+
+def new_gradient(edges: int, d: int) -> Gradient:
+    """Return room for a gradient."""
+    n = edges + 2
+    return Gradient(
+        direction=np.zeros((d, n)),
+        edge=np.zeros((d, n)),
+        node=np.zeros((edges + 1, d)),
+        rest=np.zeros(n),
+        dual=np.zeros(n - 1),
+        constraint=np.zeros(n),
+        pull=np.zeros(n),
+        border=np.zeros(d + 5),
+        holonomy=np.zeros((d, n)),
+        by_edge=np.zeros(n),
+        by_vertex=np.zeros(n - 1),
+    )
+
+
+def new_hessian(edges: int, d: int) -> Hessian:
+    """Return room for a Hessian."""
+    n = edges + 2
+    return Hessian(
+        np.zeros((n, d)),
+        np.zeros((n, d)),
+        np.zeros((n, d, d)),
+        np.zeros((edges + 1, d, d)),
+        np.zeros((n, d, d)),
+        np.zeros((edges + 1, d, d)),
+        np.zeros((n, 3, d)),
+        np.zeros((2, n, d)),
+        np.zeros((2, edges + 1, d)),
+        np.zeros((2, n)),
+        np.zeros((d + 5, d + 5)),
+    )

@@ -1,0 +1,53 @@
+"""How far a residual is above what is asked for, and above what rounding leaves.
+
+A force on node i is a difference of bending forces of size 1/h^2 taken between positions known to
+eps l, so it cannot fall below about eps l / h^3; nor, beside a hard wall, below eps l times the wall's
+stiffness 8 v0 / gap^3. The tolerance of a row is the asked one plus that.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from derod.algebra.jit import kernel
+from derod.rod.layout import X_C
+
+EPS = float(np.finfo(np.float64).eps)
+ROUNDING = 16.0  # of the stiffness h^-3 of a bent vertex
+WALL_ROUNDING = 2.0  # of the wall's
+
+
+@kernel
+def excess(physics, r, rb, kin, tolerance):
+    """Return (largest ratio of a residual to its tolerance, largest force residual in K0/D^2).
+
+    Forces are held to ``tolerance`` (K0/D^2), lengths to ``tolerance`` (relative); at most 1 is
+    converged. The ends' rows are reactions and are left out.
+    """
+    d = len(physics.axis)
+    n = r.shape[0] - 1
+    worst = 0.0
+    force = 0.0
+    barrier = 0.0
+    shortest = kin.rest[1]
+    for i in range(1, n + 1):
+        shortest = min(shortest, kin.rest[i])
+        length = tolerance * kin.rest[i] + 8 * EPS * physics.length
+        worst = max(worst, abs(r[i, d]) / length)
+        if i == n:
+            continue
+        h = min(kin.rest[i], kin.rest[i + 1])
+        stiffness = ROUNDING / (h * h * h) + WALL_ROUNDING * kin.barrier[i]
+        allowed = tolerance + EPS * physics.length * stiffness
+        barrier += kin.barrier[i] ** 2
+        for k in range(d):
+            force = max(force, abs(r[i, k]))
+            worst = max(worst, abs(r[i, k]) / allowed)
+    stiffness = ROUNDING / (shortest * shortest) + WALL_ROUNDING * np.sqrt(barrier)
+    allowed = tolerance + EPS * physics.length * stiffness
+    for k in range(X_C + d):
+        force = max(force, abs(rb[k]))
+        worst = max(worst, abs(rb[k]) / allowed)
+    for k in range(X_C + d, d + 5):
+        worst = max(worst, abs(rb[k]) / (tolerance + 8 * EPS * physics.length))
+    return worst, force

@@ -1,0 +1,44 @@
+"""Runs and branches for other programs: CSV tables, and VTK files for ParaView.
+
+::
+
+    from derod.views.export import export
+
+    export(run, "coil.csv")
+    export(run, "vtk/coil.pvd")
+    export(branches, "branches.csv")
+"""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any
+
+from derod.cli.exits import UsageError
+from derod.views.export.output import check_target, write_file
+
+
+def export(file: Any, output: str | os.PathLike[str], *, force: bool = False) -> list[Path]:
+    """Write an open run or branch file as ``output``: .csv, or (runs) .pvd. Returns the files written.
+
+    What is there is only replaced with ``force``. Raises UsageError.
+    """
+    path = Path(output)
+    is_branches = hasattr(file, "parameters")
+    check_target(path, force, ("csv", "pvd"))
+    if is_branches and path.suffix.lower() == ".pvd":
+        raise UsageError(
+            f"{file.path}: is a branch file; allowed for {path}: a run file (derod push)"
+        )
+    if path.suffix.lower() == ".csv":
+        from derod.views.export.table import branches_text, run_text
+
+        text = branches_text(file) if is_branches else run_text(file)
+        write_file(path, text.encode("utf-8"), force)
+        return [path]
+    if not len(file):
+        raise UsageError(f"{file.path or 'a run in memory'}: has no increment to export")
+    from derod.views.export.series import write_series
+
+    return write_series(file, path, force)
