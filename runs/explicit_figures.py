@@ -19,7 +19,8 @@ import numpy as np
 from bench.stepping import disturbed, explicit_step
 
 import derod
-from derod.equilibrium import make_relaxer, relax
+from derod.equilibrium.methods import make_relaxer
+from derod.equilibrium.loop import relax
 from derod.equilibrium.system import System
 from derod.push.driver import frame_of
 from derod.push.encode import decode

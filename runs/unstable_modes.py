@@ -34,7 +34,8 @@ from derod.branches.parameters import Parameters
 from derod.branches.record import StoredBranch, open_branches, write_branches
 from derod.branches.stability import stability
 from derod.branches.state import HalfRod
-from derod.equilibrium import make_relaxer, relax
+from derod.equilibrium.methods import make_relaxer
+from derod.equilibrium.loop import relax
 from derod.equilibrium.stability import analyse
 from derod.equilibrium.system import System
 from derod.rod.state import State

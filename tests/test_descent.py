@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import derod
-from derod.equilibrium import Outcome, Report, make_relaxer, relax
+from derod.equilibrium.loop import Outcome, Report, relax
+from derod.equilibrium.methods import make_relaxer
 from derod.equilibrium.stability import analyse
 from derod.equilibrium.system import System
 from derod.push.descent import Descender, Descent, Noise

@@ -8,7 +8,8 @@ from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
 import derod
-from derod.equilibrium import make_relaxer, relax
+from derod.equilibrium.methods import make_relaxer
+from derod.equilibrium.loop import relax
 from derod.equilibrium.stability import analyse
 from derod.equilibrium.system import System
 from derod.push.guess import bent_guess

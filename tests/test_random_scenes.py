@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import derod
-from derod.equilibrium import Report
+from derod.equilibrium.loop import Report
 from derod.equilibrium.system import System
 from derod.push.guess import bent_guess
 from tests.scenes import coil

@@ -11,7 +11,7 @@ from derod.equilibrium.stability import analyse, inertia, lowest_mode, sliding_s
 from derod.equilibrium.system import System
 from derod.push.driver import frame_of
 from derod.push.encode import decode
-from derod.rod.layout import X_C
+from derod.rod.unknowns import X_C
 from derod.rod.state import State
 from tests.rod.states import dense
 
@@ -98,7 +98,8 @@ def test_a_stable_state_has_no_negative_eigenvalue() -> None:
 def test_the_slope_is_the_difference_of_neighbours() -> None:
     system, state = settled(0.2)
     here = analyse(system, state)
-    from derod.equilibrium import make_relaxer, relax
+    from derod.equilibrium.methods import make_relaxer
+    from derod.equilibrium.loop import relax
 
     step = 1e-5
     sides = []

@@ -28,9 +28,9 @@ from derod.algebra.copying import copy_rows, copy_vector, scale_rows, scale_vect
 from derod.algebra.jit import inlined, kernel
 from derod.equilibrium.elliptic_mass import fill_operator
 from derod.rod.assembly import gradient
-from derod.rod.layout import S_A, S_B, X_C
 from derod.rod.residual import EPS, ROUNDING, WALL_ROUNDING, excess
 from derod.rod.terms.wall import stay_inside, wall_gap
+from derod.rod.unknowns import BORDER, F_A, S_A, S_B, X_C
 
 LARGEST_STEP = 0.8  # h_0: the largest eigenvalues of M^{-1} H are 1.1 to 1.4
 LEAST_STEP = LARGEST_STEP / 64
@@ -66,9 +66,9 @@ def new_motion(edges: int, d: int) -> Motion:
     """Return a state of rest."""
     return Motion(
         np.zeros((edges + 1, d + 1)),
-        np.zeros(d + 5),
+        np.zeros(BORDER + d),
         np.zeros((edges + 1, d + 1)),
-        np.zeros(d + 5),
+        np.zeros(BORDER + d),
         np.zeros(edges + 1),
         np.array([-1.0, 0.0, LARGEST_STEP, 0.0, np.inf]),
     )
@@ -117,12 +117,12 @@ def renew(physics, q, b, room, factor, motion):
     for i in range(1, n):
         for k in range(d):
             x[(d + 1) * (i - 1) + k] = motion.velocity[i, k]
-    for k in range(X_C + d):
+    for k in range(F_A + d):
         y[k] = motion.border[k]
     subtract_product(room.linear, x, y, out, out_border)
     for e in range(1, n + 1):
         motion.velocity[e, d] = -out[(d + 1) * (e - 1) + d]
-    for k in range(X_C + d, d + 5):
+    for k in range(F_A + d, BORDER + d):
         motion.border[k] = -out_border[k]
 
 
@@ -134,7 +134,7 @@ def power(r, rb, motion):
     for i in range(1, n):
         for k in range(d):
             total -= r[i, k] * motion.velocity[i, k]
-    for k in range(X_C + d):
+    for k in range(F_A + d):
         total -= rb[k] * motion.border[k]
     return total
 
@@ -155,8 +155,8 @@ def accelerate(r, rb, h, ease, keep, more, factor, motion):
                 x[j + k] = -h * r[i, k]
         x[j + d] = -scale * (ease * r[i, d] + keep * more * v[i, d])
         v[i, d] = keep * v[i, d] + x[j + d]
-    for k in range(d + 5):
-        if k < X_C + d:
+    for k in range(BORDER + d):
+        if k < F_A + d:
             y[k] = -h * rb[k]
         else:
             y[k] = -scale * (ease * rb[k] + keep * more * vb[k])
@@ -166,7 +166,7 @@ def accelerate(r, rb, h, ease, keep, more, factor, motion):
     for i in range(1, n):
         for k in range(d):
             work -= r[i, k] * x[(d + 1) * (i - 1) + k]
-    for k in range(X_C + d):
+    for k in range(F_A + d):
         work -= rb[k] * y[k]
     return work
 
@@ -233,11 +233,11 @@ def move(physics, kin, h, keep, more, factor, q, b, motion):
             x[j + k] += more * v[i, k]
         if h > 0:
             q[i, d] += x[j + d] / h
-    for k in range(X_C + d):
+    for k in range(F_A + d):
         vb[k] = keep * vb[k] + y[k]
         y[k] += more * vb[k]
     if h > 0:
-        for k in range(X_C + d, d + 5):
+        for k in range(F_A + d, BORDER + d):
             b[k] += y[k] / h
     fraction = longest_step(physics, kin, q, b, x, y)
     if fraction < 1:
@@ -248,7 +248,7 @@ def move(physics, kin, h, keep, more, factor, q, b, motion):
     for i in range(1, n):
         for k in range(d):
             q[i, k] += fraction * x[(d + 1) * (i - 1) + k]
-    for k in range(X_C + d):
+    for k in range(F_A + d):
         b[k] += fraction * y[k]
     if physics.drop:
         stay_inside(physics, kin, motion.old_q, motion.old_b, q, b)
@@ -263,9 +263,7 @@ def rest(motion):
 
 
 @kernel
-def accelerated_steps(
-    physics, mesh, end_rotation, tolerance, steps, psi, room, factor, q, b, motion
-):
+def accelerated_steps(physics, mesh, tolerance, steps, psi, room, factor, q, b, motion):
     """Move the state (q, b, psi) in place by up to ``steps`` steps, until it is settled.
 
     ``motion`` goes on from call to call. On return the gradient in ``room`` is that of the state.
@@ -275,7 +273,7 @@ def accelerated_steps(
     kin = room.kin
     done, worst, force, alive = 0, np.inf, np.inf, True
     while True:
-        psi, sound = gradient(physics, mesh, q, b, psi, end_rotation, room)
+        psi, sound = gradient(physics, mesh, q, b, psi, room)
         sound = sound and wall_gap(physics, kin, q, b) > 0
         if not sound:
             break

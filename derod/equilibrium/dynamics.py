@@ -21,9 +21,9 @@ import numpy as np
 from derod.algebra.copying import scale_rows, scale_vector
 from derod.algebra.jit import inlined, kernel
 from derod.rod.assembly import constraints, forces
-from derod.rod.layout import S_A, S_B, X_C
 from derod.rod.residual import EPS, excess
 from derod.rod.terms.wall import squared_distance, wall_gap
+from derod.rod.unknowns import ETA, F_A, F_B, S_A, S_B, X_C
 
 GAP_SHARE = 0.125  # of the least wall gap that a node may move in one step
 ROTATION = 0.1  # rad that an edge may turn in one step
@@ -65,7 +65,7 @@ def new_motion(edges: int, d: int) -> Motion:
 
 
 @kernel
-def evaluate(physics, mesh, end_rotation, psi, room, q, b, inertia, motion):
+def evaluate(physics, mesh, psi, room, q, b, inertia, motion):
     """Set mu in q and b and the forces in ``room``; return (psi, sound)."""
     d = len(physics.axis)
     sound = constraints(physics, mesh, q, b, room)
@@ -74,10 +74,10 @@ def evaluate(physics, mesh, end_rotation, psi, room, q, b, inertia, motion):
     for side in range(2 if physics.drop else 0):
         i = room.kin.node_a if side == 0 else room.kin.node_b
         off = squared_distance(physics, q, b, i) - 0.25
-        b[X_C + d + side] = motion.force[side] + inertia.menisci[0] * off
-    psi, finite = forces(physics, q, b, psi, end_rotation, room)
+        b[F_A + d + side] = motion.force[side] + inertia.menisci[0] * off
+    psi, finite = forces(physics, q, b, psi, room)
     slide = 0.5 * (room.rb[S_A] + room.rb[S_B])  # the menisci only move as mirror images
-    b[X_C + d + 2] -= slide
+    b[ETA + d] -= slide
     room.rb[S_A] -= slide
     room.rb[S_B] -= slide
     return psi, sound and finite
@@ -197,15 +197,13 @@ def strain(physics, room, tolerance):
     worst = 0.0
     for e in range(1, room.r.shape[0]):
         worst = max(worst, abs(room.r[e, d]) / (tolerance * room.kin.rest[e] + rounding))
-    for k in range(X_C + d, X_C + d + 2):
+    for k in range(F_A + d, ETA + d):
         worst = max(worst, abs(room.rb[k]) / (tolerance + rounding))
     return worst
 
 
 @kernel
-def explicit_steps(
-    physics, mesh, end_rotation, tolerance, kinetic, steps, psi, room, q, b, inertia, motion
-):
+def explicit_steps(physics, mesh, tolerance, kinetic, steps, psi, room, q, b, inertia, motion):
     """Move the state (q, b, psi) in place by up to ``steps`` damped steps.
 
     ``motion`` goes on from call to call. On return the gradient in ``room`` is that of the state.
@@ -215,7 +213,7 @@ def explicit_steps(
     memory = motion.memory
     done, worst, force = 0, np.inf, np.inf
     while True:
-        psi, sound = evaluate(physics, mesh, end_rotation, psi, room, q, b, inertia, motion)
+        psi, sound = evaluate(physics, mesh, psi, room, q, b, inertia, motion)
         gap = wall_gap(physics, room.kin, q, b)
         sound = sound and gap > 0
         if not sound:
@@ -230,7 +228,7 @@ def explicit_steps(
             if worst <= 1 or force <= max(memory[LEVEL], 0.5 * tolerance):
                 for e in range(1, q.shape[0]):
                     motion.tension[e] = q[e, d]
-                motion.force[0], motion.force[1] = b[X_C + d], b[X_C + d + 1]
+                motion.force[0], motion.force[1] = b[F_A + d], b[F_B + d]
                 memory[LEVEL] = RENEW * force
         power, speed2, force2 = accelerate(room, inertia, motion)
         if memory[SINCE] > 0 and power <= 0:

@@ -35,9 +35,8 @@ class Elliptic:
         """Take a batch of steps."""
         system, state = self.system, self.state
         done, state.holonomy, excess, residual, alive, sound = accelerated.accelerated_steps(
-            system.physics,
+            state.physics,
             system.mesh,
-            system.end_rotation,
             self.tolerance,
             min(BATCH, self.limit),
             state.holonomy,

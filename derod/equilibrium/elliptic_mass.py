@@ -28,10 +28,11 @@ from __future__ import annotations
 from derod.algebra.bordered import subtract_product
 from derod.algebra.jit import inlined, kernel
 from derod.rod.angle import squared_angle
-from derod.rod.assembly import fill_band, fill_border
-from derod.rod.layout import S_A, S_B, X_C
-from derod.rod.terms.menisci import add_menisci_hessian
-from derod.rod.terms.wall import add_wall_hessian
+from derod.rod.assembly import clear_hessian, hold_idle
+from derod.rod.band import fill_band, fill_border
+from derod.rod.constraints import on_sphere, pin
+from derod.rod.terms import wall
+from derod.rod.unknowns import F_A, S_A, S_B, X_C
 
 CENTRE = 0.1  # K0/D^3, of the drop's centre and of the wetted length by themselves
 
@@ -45,40 +46,20 @@ def fill_operator(physics, q, b, room, factor):
     """
     d = len(physics.axis)
     kin, hess, linear = room.kin, room.hess, room.linear
-    hess.edge[:] = 0.0
-    hess.vertex[:] = 0.0
-    hess.skip[:] = 0.0
-    hess.node[:] = 0.0
-    hess.constraint[:] = 0.0
-    hess.edge_menisci[:] = 0.0
-    hess.node_menisci[:] = 0.0
-    hess.constraint_menisci[:] = 0.0
-    hess.border[:] = 0.0
-    for e in range(kin.rest.size):
-        for k in range(d):
-            hess.tangent[e, k] = kin.tangent[k, e]
+    clear_hessian(physics.axis, kin, hess)
     add_straight_bending(d, kin, hess)
     add_arc_rows(d, kin, hess)
     add_chord_rows(d, kin, hess)
+    wetted = 0.0
     if physics.drop:
         add_outer_tension(d, kin, room.tension, hess)
-        wetted = add_drop(physics, kin, q, b, hess)
-        fill_band(physics, hess, linear.band)
-        fill_border(physics, q, b, room)
+        wetted = add_drop(physics, kin, q, b, room.tension, hess)
+    else:
+        hold_idle(d, hess)
+    fill_band(physics, hess, linear.band)
+    fill_border(physics, q, b, False, room)
+    if physics.drop:
         carry_wetted(d, kin, linear, factor, wetted)
-    else:  # idle unknowns, as in the Hessian
-        for k in range(d + 5):
-            hess.border[k, k] = 1.0 if k < X_C + d else -1.0
-        fill_band(physics, hess, linear.band)
-        fill_border(physics, q, b, room)
-    if d == 3:
-        turn = d + 6
-        for j in range(linear.border.shape[0]):
-            linear.border[j, turn] = 0.0
-        for k in range(turn + 1):
-            linear.corner[k, turn] = 0.0
-            linear.corner[turn, k] = 0.0
-        linear.corner[turn, turn] = -1.0
 
 
 @inlined
@@ -157,16 +138,17 @@ def add_chord_rows(d, kin, hess):
 
 
 @inlined
-def add_drop(physics, kin, q, b, hess):
+def add_drop(physics, kin, q, b, tension, hess):
     """Add the wall's and the menisci's blocks and constraints; return the wetted length's own mass."""
     d = len(physics.axis)
-    add_wall_hessian(physics, kin, q, b, hess)
+    wall.add_hessian(physics, kin, q, b, 0.0, tension, hess)
     hess.node_menisci[:] = 0.0  # the wetted length is coupled by what it carries
-    add_menisci_hessian(physics, kin, q, b, hess)
+    on_sphere.add_hessian(physics, kin, q, b, 0.0, tension, hess)
+    pin.add_hessian(physics, kin, q, b, 0.0, tension, hess)
     wetted = CENTRE
     for side in range(2):
         i = kin.node_a if side == 0 else kin.node_b
-        force = b[X_C + d + side]
+        force = b[F_A + d + side]
         wetted += 2 * abs(force)
         for k in range(d):
             hess.node[i, k, k] += 2 * (abs(force) - force)
@@ -202,7 +184,7 @@ def carry_wetted(d, kin, linear, factor, wetted):
             border[j, S_A] -= 0.5 * out[j]
             border[j, S_B] += 0.5 * out[j]
             own -= x[j] * out[j]
-    for k in range(X_C, X_C + d):
+    for k in range(X_C, F_A + d):
         corner[S_A, k] -= 0.5 * out_border[k]
         corner[S_B, k] += 0.5 * out_border[k]
         corner[k, S_A] = corner[S_A, k]

@@ -6,9 +6,9 @@ from derod.equilibrium import dynamics as explicit
 from derod.equilibrium import masses
 from derod.equilibrium.loop import Report
 from derod.equilibrium.system import System
-from derod.rod.layout import S_A, S_B, X_C
 from derod.rod.residual import EPS
 from derod.rod.state import State
+from derod.rod.unknowns import ETA, F_A, S_A, S_B
 
 BATCH = 500  # steps between two looks at the masses
 ROUNDING = 16.0  # a tension lambda + kappa g is known to kappa times the rounding of a position
@@ -44,7 +44,7 @@ class Explicit:
         report = Report(0, *system.excess(self.tolerance), alive=True, sound=sound)
         self.motion = explicit.new_motion(system.edges, d)
         self.motion.tension[:] = state.q[:, d]
-        self.motion.force[:] = state.b[X_C + d : X_C + d + 2]
+        self.motion.force[:] = state.b[F_A + d : ETA + d]
         self.motion.memory[explicit.LEVEL] = max(FIRST_LEVEL, explicit.RENEW * report.residual)
         if self.kinetic:
             self.motion.memory[explicit.STEP] = explicit.LARGEST_STEP
@@ -60,11 +60,10 @@ class Explicit:
         system, state = self.system, self.state
         system.gradient(state)
         masses.fill_masses(
-            system.physics,
+            state.physics,
             state.q,
             state.b,
             state.holonomy,
-            system.end_rotation,
             system.room,
             system.factor,
             self.inertia,
@@ -74,9 +73,8 @@ class Explicit:
         """Take a batch of steps."""
         system, state = self.system, self.state
         done, state.holonomy, excess, residual, sound = explicit.explicit_steps(
-            system.physics,
+            state.physics,
             system.mesh,
-            system.end_rotation,
             self.tolerance,
             self.kinetic,
             BATCH,

@@ -1,9 +1,11 @@
-"""Implicit relaxation: Newton's steps along a branch, damped steps downhill (``equilibrium.newton``)."""
+"""Implicit relaxation: Newton's steps along a branch, damped steps downhill (``newton``, ``descending``)."""
 
 from __future__ import annotations
 
-from derod.equilibrium import newton
+from derod.equilibrium.descending import descend_step
 from derod.equilibrium.loop import Report
+from derod.equilibrium.newton import follow_step
+from derod.equilibrium.steps import ACCEPTED, STRAYED, Rules, new_work
 from derod.equilibrium.system import System
 from derod.rod.state import State
 
@@ -27,14 +29,14 @@ class Implicit:
         """Take the residual of the state; to go downhill, put it onto its constraints first."""
         self.system, self.state, self.kick = system, state, kick
         self.tolerance = tolerance
-        self.rules = newton.Rules(tolerance, descend, kick if kick > 0 else NOMINAL_KICK)
+        self.rules = Rules(tolerance, descend, kick if kick > 0 else NOMINAL_KICK)
         self.shift = 0.0
         self.curved = 0  # steps through negative curvature, in a row
         self.limit = self.longest if descend else self.most
         sound = system.gradient(state) and system.wall_gap(state) > 0
         if sound and descend:
             sound = system.project(state)
-        self.work = newton.new_work(state.q, state.b)
+        self.work = new_work(state.q, state.b)
         return Report(0, *system.excess(tolerance), alive=True, sound=sound, descending=descend)
 
     def advance(self) -> Report:
@@ -44,18 +46,18 @@ class Implicit:
     def follow(self) -> Report:
         """Take one Newton step."""
         system, state = self.system, self.state
-        outcome, state.holonomy, excess, residual = newton.follow_step(
-            system.physics, system.mesh, system.end_rotation, self.rules, state.holonomy,
+        outcome, state.holonomy, excess, residual = follow_step(
+            state.physics, system.mesh, self.rules, state.holonomy,
             system.room, system.factor, state.q, state.b, self.work,
         )  # fmt: skip
-        alive, strayed = outcome == newton.ACCEPTED, outcome == newton.STRAYED
+        alive, strayed = outcome == ACCEPTED, outcome == STRAYED
         return Report(1, excess, residual, alive=alive, sound=True, strayed=strayed)
 
     def descend(self) -> Report:
         """Take one step downhill; a saddle is reported or, where no kick is wanted, gone to."""
         system, state = self.system, self.state
-        outcome, self.shift, state.holonomy, excess, residual, curved, saddle = newton.descend_step(
-            system.physics, system.mesh, system.end_rotation, self.rules, self.shift,
+        outcome, self.shift, state.holonomy, excess, residual, curved, saddle = descend_step(
+            state.physics, system.mesh, self.rules, self.shift,
             state.holonomy, system.room, system.factor, state.q, state.b, self.work,
         )  # fmt: skip
         self.curved = self.curved + 1 if curved else 0
@@ -65,20 +67,20 @@ class Implicit:
             reached = self.reach_saddle()
             if reached is not None:
                 return reached
-        alive = outcome == newton.ACCEPTED
+        alive = outcome == ACCEPTED
         return Report(1, excess, residual, alive, sound=True, descending=True, saddle=saddle)
 
     def reach_saddle(self) -> Report | None:
         """Go to a saddle near by with Newton's steps; return None, the state as it was, if there is none."""
         system, state = self.system, self.state
-        before, energy = state.copy(), system.energies(state).total
-        self.work = newton.new_work(state.q, state.b)
+        before, energy = state.copy(), system.energies(state).potential
+        self.work = new_work(state.q, state.b)
         for steps in range(1, SADDLE_STEPS):
             report = self.follow()
-            if report.excess <= 1 and system.energies(state).total <= energy:
+            if report.excess <= 1 and system.energies(state).potential <= energy:
                 return report._replace(iterations=steps, descending=True)
             if report.excess <= 1 or not report.alive:
                 break
-        state.q[:], state.b[:], state.holonomy = before.q, before.b, before.holonomy
+        state.take(before)
         system.gradient(state)
         return None

@@ -110,6 +110,7 @@ def relax(
                 f"largest residual force {report.residual:.3g} "
                 f"(x{report.excess:.3g} of what is allowed){place}"
             )
+            state.read_end()
             return Solution(state, outcome, done, report.residual, message)
         report = relaxer.advance()
         done += report.iterations

@@ -23,7 +23,7 @@ import numpy as np
 from derod.algebra.bordered import subtract_product
 from derod.algebra.jit import allocating_kernel
 from derod.rod.assembly import hessian
-from derod.rod.layout import S_A, S_B, X_C
+from derod.rod.unknowns import F_A, MOMENT, S_A, S_B, X_C
 
 STIFFNESS = 16.0  # of an edge of length h against stretch, times h^3: that of bending
 SAFETY = (
@@ -80,11 +80,11 @@ def fill_carried(kin, carried):
 
 
 @allocating_kernel
-def fill_masses(physics, q, b, psi, end_rotation, room, factor, inertia):
+def fill_masses(physics, q, b, psi, room, factor, inertia):
     """Fill ``inertia`` at the state whose ``gradient`` was taken last; ``factor`` lends its room."""
     d = len(physics.axis)
     n = q.shape[0] - 1
-    hessian(physics, q, b, psi, end_rotation, room)
+    hessian(physics, q, b, psi, room)
     fill_penalties(room.kin, inertia)
     fill_carried(room.kin, inertia.carried)
     grown, grown_border = carried_product(physics, room.linear, factor, inertia)
@@ -121,9 +121,9 @@ def carried_product(physics, linear, factor, inertia):
     for e in range(1, n + 1):
         x[(d + 1) * (e - 1) + d] = -penalty[e] * out[(d + 1) * (e - 1) + d]
     for side in range(2):
-        y[X_C + d + side] = -inertia.menisci[0] * out_border[X_C + d + side]
+        y[F_A + d + side] = -inertia.menisci[0] * out_border[F_A + d + side]
     if d == 3:
-        y[d + 5] = -physics.twisting / physics.length * out_border[d + 5]
+        y[MOMENT + d] = -physics.twisting / physics.length * out_border[MOMENT + d]
     subtract_product(linear, x, y, out, out_border)
     return out, out_border
 
@@ -150,7 +150,7 @@ def fill_border_masses(physics, kin, linear, grown, grown_border, inertia):
             inertia.centre[k] += abs(corner[X_C + k, X_C + m])
         for side in range(2 if physics.drop else 0):
             i = kin.node_a if side == 0 else kin.node_b
-            slope = border[(d + 1) * (i - 1) + k, X_C + d + side]
+            slope = border[(d + 1) * (i - 1) + k, F_A + d + side]
             inertia.centre[k] += 2 * inertia.menisci[0] * abs(slope)
     inertia.wetted[0] = wetted + abs(own)
 
@@ -162,7 +162,7 @@ def add_row_sums(physics, linear, grown, blocks):
     n, d = blocks.shape[0] - 1, blocks.shape[1]
     twisting = 0.0
     if d == 3:  # k3/l grad psi grad psi
-        twisting = np.sum(np.abs(border[:, d + 5])) * physics.twisting / physics.length
+        twisting = np.sum(np.abs(border[:, MOMENT + d])) * physics.twisting / physics.length
     blocks[:] = 0.0
     for i in range(1, n):
         largest = 0.0
@@ -170,7 +170,7 @@ def add_row_sums(physics, linear, grown, blocks):
             j = (d + 1) * (i - 1) + k
             total = abs(grown[j])
             if d == 3:
-                total += twisting * abs(border[j, d + 5])
+                total += twisting * abs(border[j, MOMENT + d])
             for m in range(d):
                 total += abs(border[j, X_C + m])
             for o in range(max(1, i - 3), min(n - 1, i + 3) + 1):
@@ -205,7 +205,7 @@ def add_constraints(physics, kin, linear, inertia):
     for side in range(2 if physics.drop else 0):
         i = kin.node_a if side == 0 else kin.node_b
         for k in range(d):
-            slopes[0, k] = border[(d + 1) * (i - 1) + k, X_C + d + side]
+            slopes[0, k] = border[(d + 1) * (i - 1) + k, F_A + d + side]
         add_direction(blocks[i], slopes[0], 2 * inertia.menisci[0])
 
 

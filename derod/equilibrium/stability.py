@@ -1,4 +1,4 @@
-"""Stability of settled states: unstable modes, the slope of the branch, the lowest mode.
+"""Stability of settled states: sliding, and the lowest mode; ``measured`` counts unstable modes.
 
 The Hessian of the Lagrangian on the constraints decides: its negative eigenvalues are counted by the
 inertia of its factor. Turning the coil about the clamp axis is neutral and outside the count
@@ -14,91 +14,23 @@ the rule of the branches.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
-from derod.equilibrium.newton import FIRST_SHIFT, LARGEST_SHIFT
-from derod.equilibrium.system import Energies, System
-from derod.rod.layout import X_C
+from derod.equilibrium.linear import FIRST_SHIFT, LARGEST_SHIFT
+from derod.equilibrium.system import System
 from derod.rod.state import State
+from derod.rod.unknowns import ETA, F_A
 
 CLAMP_MOMENT = 0.15  # K/D; above it sliding is resolved
 HALVINGS = 3  # of the bracket of the lowest eigenvalue
 SWEEPS, SETTLED = 30, 1e-10  # of inverse iteration, at most; relative change of its last one
 
 
-@dataclass(slots=True)
-class Equilibrium:
-    """What a settled state and the linearisation there tell; in units of the rod's bending stiffness."""
-
-    end_shortening: float  # delta, D
-    holonomy: float  # psi, radians
-    energies: Energies
-    energy: float  # E_tot
-    tension: float  # t
-    settled: bool  # the residual meets the scene's tolerance
-    turning: float  # radians, the largest turning angle at a node
-    wall_gap: float  # D
-    unstable_modes: int  # the drop held in its place along the rod
-    slope_q: np.ndarray  # dq/ddelta
-    slope_b: np.ndarray  # db/ddelta
-    stiffness: float  # dt/ddelta along the branch
-    sliding_stiffness: float  # k, K/D^3; inf without a drop
-    clamp_moment: float  # the larger of the two clamps', K/D
-
-    @property
-    def slides(self) -> bool:
-        """Return whether sliding the drop along the rod is one more unstable mode."""
-        return self.clamp_moment > CLAMP_MOMENT and self.sliding_stiffness < 0
-
-    @property
-    def released_modes(self) -> int:
-        """Return the unstable modes, sliding among them."""
-        return self.unstable_modes + self.slides
-
-
-def analyse(system: System, state: State, tolerance: float | None = None) -> Equilibrium:
-    """Measure a settled state, count its unstable modes and take its slope along the branch.
-
-    ``tolerance`` (K0/D^2) is what its residual is held to, the scene's if None.
-    """
-    count = system.linearise(state)
-    tension = system.end_tension()
-    excess, _ = system.excess(system.tolerance if tolerance is None else tolerance)
-    turning = system.largest_turning()
-    column, column_border = clamp_column(system)
-    solution, border = system.solve(column, column_border, refine=False)
-    own = system.room.hess.edge[system.edges, system.dimension - 1, system.dimension - 1]
-    stiffness = float(np.sum(column * solution) + column_border @ border - own)
-    slope_q = np.zeros_like(state.q)
-    slope_q[1:] = solution
-    slope_q[-1, system.dimension - 1] = -1.0
-    sliding, moment = sliding_stiffness(system), clamp_moment(system)
-    energies = system.energies(state)
-    return Equilibrium(
-        end_shortening=state.end_shortening,
-        holonomy=state.holonomy,
-        energies=energies,
-        energy=energies.total,
-        tension=tension,
-        settled=excess <= 1,
-        turning=turning,
-        wall_gap=system.wall_gap(state),
-        unstable_modes=count,
-        slope_q=slope_q,
-        slope_b=border[: state.b.size],
-        stiffness=stiffness,
-        sliding_stiffness=sliding,
-        clamp_moment=moment,
-    )
-
-
 def sliding_stiffness(system: System) -> float:
     """Return k = d^2E/dc^2 (K/D^3) of sliding the drop by c, from the matrix factored last."""
     if not system.physics.drop:
         return np.inf
-    pin, factor = X_C + system.dimension + 2, system.factor
+    pin, factor = ETA + system.dimension, system.factor
     return float(-4.0 * factor.scale[pin] ** 2 * factor.schur[pin, pin])
 
 
@@ -113,23 +45,6 @@ def clamp_moment(system: System) -> float:
         at_near = 0.25 * kin.rest[edge]
         out.append(near - (far - near) * at_near / (at_far - at_near))
     return float(np.linalg.norm(out, axis=1).max())
-
-
-def clamp_column(system: System) -> tuple[np.ndarray, np.ndarray]:
-    """Return minus the residual's change as the end clamp moves inward (ddelta = 1, dx_N = -e_z)."""
-    d, n = system.dimension, system.edges
-    hess, z = system.room.hess, d - 1
-    column = np.zeros((n, d + 1))  # row i - 1 is node i
-    column[n - 2, :d] = hess.vertex[n - 1, :, z] - hess.edge[n, :, z]
-    column[n - 3, :d] = hess.skip[n - 1, :, z] - hess.vertex[n - 1, :, z]
-    column[n - 4, :d] = -hess.skip[n - 1, :, z]
-    column[n - 1, d] = hess.constraint[n, 1, z]
-    column[n - 2, d] = hess.constraint[n - 1, 2, z]
-    border = np.zeros_like(system.factor.rhs_border)
-    border[:2] = hess.edge_menisci[:, n, z]
-    if d == 3:
-        border[d + 5] = system.room.grad.holonomy[z, n]
-    return column, border
 
 
 def lowest_mode(
@@ -167,7 +82,7 @@ def lowest_mode(
             break
     mode_q, mode_b = np.zeros_like(state.q), np.zeros_like(state.b)
     mode_q[1:] = np.where(weight > 0, mode, 0.0)
-    mode_b[: X_C + system.dimension] = border[: X_C + system.dimension]
+    mode_b[: F_A + system.dimension] = border[: F_A + system.dimension]
     return float(value), mode_q, mode_b
 
 
@@ -179,6 +94,8 @@ def inertia(system: System) -> tuple[np.ndarray, np.ndarray]:
     rest = system.room.kin.rest
     weight = np.zeros((system.edges, system.dimension + 1))
     weight[:-1, :-1] = 0.5 * (rest[1:-2] + rest[2:-1])[:, None]
+    if system.physics.slides:
+        weight[-1, -2] = 0.5 * rest[-2]
     border = np.zeros_like(system.factor.rhs_border)
-    border[: X_C + system.dimension] = 1.0
+    border[: F_A + system.dimension] = 1.0
     return weight, border

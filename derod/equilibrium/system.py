@@ -7,39 +7,26 @@ and multiplied back when a frame is made.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
 from derod.algebra.bordered import new_factor, solve, solve_refined
-from derod.equilibrium import newton
-from derod.rod import assembly
+from derod.equilibrium import lengths, limits, linear
+from derod.equilibrium.energies import Energies, by_part
+from derod.rod import assembly, band
+from derod.rod.arrays import new_room
 from derod.rod.grid import lay_grid
-from derod.rod.layout import X_C, Physics
-from derod.rod.mesh import dry_mesh, wetted_mesh
+from derod.rod.mesh import mesh_of
+from derod.rod.physics import physics_of
 from derod.rod.residual import excess
 from derod.rod.state import State
 from derod.rod.terms.wall import wall_gap
+from derod.rod.unknowns import BORDER, F_A
 from derod.scene import Scene
 
 PROJECTION = 1.0  # K0/D^4, the shift at which a projection's metric is tried first
 PROJECTIONS = 100  # damped steps toward the constraints, at most
 DAMPINGS = 10  # halvings of such a step
-AXES = {2: (0.0, 1.0), 3: (0.0, 0.0, 1.0)}
-
-
-class Energies(NamedTuple):
-    """Parts of E_tot, in units of the rod's bending stiffness over D."""
-
-    bend: float
-    twist: float
-    wall: float
-    capillary: float
-
-    @property
-    def total(self) -> float:
-        """Return E_tot."""
-        return self.bend + self.twist + self.wall + self.capillary
 
 
 class System:
@@ -51,25 +38,13 @@ class System:
         self.bending = unit
         self.dimension = scene.model.dimension
         self.edges = scene.mesh.edges
-        self.end_rotation = scene.clamps.end_rotation
         self.tolerance = scene.relax.tolerance
-        drop = scene.drop
-        self.physics = Physics(
-            AXES[self.dimension],
-            scene.rod.twisting / unit,
-            drop.capillary_force / unit if drop else 0.0,
-            drop.wall_strength / unit if drop else 0.0,
-            float(drop.wall_softness) if drop else 0.0,
-            float(scene.rod.length),
-            drop is not None,
-        )
-        self.mesh = dry_mesh(self.edges)
-        if drop:
-            self.mesh = wetted_mesh(scene.mesh, self.physics.capillary_force**-0.5)
-        self.room = assembly.new_room(self.mesh, self.physics)
-        linear = self.room.linear
-        rows, stride = linear.band.shape
-        self.factor = new_factor(rows, stride, linear.border.shape[1])
+        self.physics = physics_of(scene)
+        self.mesh = mesh_of(scene)
+        self.room = new_room(self.mesh, self.physics)
+        matrix = self.room.linear
+        rows, stride = matrix.band.shape
+        self.factor = new_factor(rows, stride, matrix.border.shape[1])
 
     def rest_lengths(self, state: State) -> np.ndarray:
         """Return the rest lengths l_j, (N,), D."""
@@ -83,15 +58,21 @@ class System:
     def gradient(self, state: State) -> bool:
         """Fill the room with the residual at the state and follow the holonomy; False if not finite."""
         state.holonomy, sound = assembly.gradient(
-            self.physics,
-            self.mesh,
-            state.q,
-            state.b,
-            state.holonomy,
-            self.end_rotation,
-            self.room,
+            state.physics, self.mesh, state.q, state.b, state.holonomy, self.room
         )
         return bool(sound)
+
+    def end_column(self, state: State) -> tuple[np.ndarray, np.ndarray]:
+        """Return the residual's derivative by z_N, (N, d+1) and like the border; its own row is zero.
+
+        Minus that is the change as the end clamp moves inward. The Hessian must have been filled.
+        """
+        self.factor.rhs[:] = 0.0
+        band.fill_end_column(state.physics, self.room, self.factor.rhs, self.factor.rhs_border)
+        rows = self.edges * (self.dimension + 1)
+        column = self.factor.rhs[:rows].reshape(self.edges, self.dimension + 1).copy()
+        column[-1, self.dimension - 1] = 0.0
+        return column, self.factor.rhs_border.copy()
 
     def excess(self, tolerance: float) -> tuple[float, float]:
         """Return how far the residual last taken is above its tolerance, and its largest force."""
@@ -108,28 +89,12 @@ class System:
             return "the drop or a meniscus is not a number"
         return "an edge has no length or cannot get its own, or a node is outside the wall"
 
-    def end_tension(self) -> float:
-        """Return t, the axial force on the end clamp, from the gradient last taken."""
-        return float(self.room.r[self.edges, self.dimension - 1])
-
     def energies(self, state: State) -> Energies:
         """Return the energy's parts at a state."""
-        return Energies(
-            *assembly.measured_energies(
-                self.physics,
-                self.mesh,
-                state.q,
-                state.b,
-                state.holonomy,
-                self.end_rotation,
-                self.room,
+        return by_part(
+            assembly.measured_energies(
+                state.physics, self.mesh, state.q, state.b, state.holonomy, self.room
             )
-        )
-
-    def energy_hat(self, state: State) -> float:
-        """Return E_hat = E_tot + f_gamma (delta + 1)."""
-        return self.energies(state).total + self.physics.capillary_force * (
-            state.end_shortening + 1
         )
 
     def largest_turning(self) -> float:
@@ -143,7 +108,7 @@ class System:
 
     def wall_gap(self, state: State) -> float:
         """Return the least 1 + rho - 2 r of the wetted nodes, D."""
-        return float(wall_gap(self.physics, self.room.kin, state.q, state.b))
+        return float(wall_gap(state.physics, self.room.kin, state.q, state.b))
 
     def linearise(self, state: State, shift: float = 0.0) -> int:
         """Factor the Hessian at a state and return how many unstable modes it has.
@@ -151,18 +116,11 @@ class System:
         ``shift`` (K0/D^4) raises all eigenvalues on the constraints, in the metric of ``inertia``.
         """
         return int(
-            newton.linearise(
-                self.physics,
-                self.mesh,
-                self.end_rotation,
-                state.holonomy,
-                self.room,
-                self.factor,
-                state.q,
-                state.b,
+            linear.linearise(
+                state.physics, self.mesh, state.holonomy, self.room, self.factor, state.q, state.b,
                 shift,
             )
-        )
+        )  # fmt: skip
 
     def project(self, state: State, shift: float = PROJECTION) -> bool:
         """Move a state onto its constraints by the least energy; return False where that fails.
@@ -170,26 +128,19 @@ class System:
         Near them at once, from afar by damped steps. ``shift`` (K0/D^4) makes the energy convex, or is raised
         until it does. The gradient there is in the room. On failure the state is where the attempt ended.
         """
-        if self.gradient(state) and newton.is_restored(self.physics, self.room):
+        if self.gradient(state) and lengths.is_restored(self.physics, self.room):
             return True
         for _ in range(PROJECTIONS):
             while self.linearise(state, shift) != 0:
-                shift *= newton.RAISE
-                if shift > newton.LARGEST_SHIFT:
+                shift *= linear.RAISE
+                if shift > linear.LARGEST_SHIFT:
                     return False
             near = state.copy()
-            near.holonomy, sound, _ = newton.restore(
-                self.physics,
-                self.mesh,
-                self.end_rotation,
-                near.holonomy,
-                self.room,
-                self.factor,
-                near.q,
-                near.b,
+            near.holonomy, sound, _ = lengths.restore(
+                near.physics, self.mesh, near.holonomy, self.room, self.factor, near.q, near.b
             )
             if sound:
-                state.q[:], state.b[:], state.holonomy = near.q, near.b, near.holonomy
+                state.take(near)
                 return True
             if not self.step_toward_lengths(state):
                 return False
@@ -202,18 +153,18 @@ class System:
             return False
         right, border = np.zeros_like(state.q[1:]), np.zeros_like(self.factor.rhs_border)
         right[:, d] = -self.room.r[1:, d]
-        border[X_C + d : d + 5] = -self.room.rb[X_C + d :]
+        border[F_A + d : BORDER + d] = -self.room.rb[F_A + d :]
         step, border_step = self.solve(right, border)
         before, gap = self.violation(), self.wall_gap(state)
         turned = np.linalg.norm(np.diff(step[:, :d], axis=0, prepend=0.0), axis=1)
-        fraction = float(min(1.0, newton.MOST_ROTATION / np.max(turned / self.room.kin.rest[1:-1])))
+        fraction = float(min(1.0, limits.MOST_ROTATION / np.max(turned / self.room.kin.rest[1:-1])))
         for _ in range(DAMPINGS):
             moved = state.copy()
             moved.q[1:] += fraction * step
             moved.b += fraction * border_step[: state.b.size]
-            inside = self.wall_gap(moved) > (1 - newton.MOST_GAP_USED) * gap
+            inside = self.wall_gap(moved) > (1 - limits.MOST_GAP_USED) * gap
             if inside and self.gradient(moved) and self.violation() < (1 - 0.1 * fraction) * before:
-                state.q[:], state.b[:], state.holonomy = moved.q, moved.b, moved.holonomy
+                state.take(moved)
                 return True
             fraction *= 0.5
         return False
@@ -221,7 +172,7 @@ class System:
     def violation(self) -> float:
         """Return the sum of the violations of all constraints, D, from the gradient last taken."""
         d = self.dimension
-        return float(np.abs(self.room.r[1:, d]).sum() + np.abs(self.room.rb[X_C + d :]).sum())
+        return float(np.abs(self.room.r[1:, d]).sum() + np.abs(self.room.rb[F_A + d :]).sum())
 
     def solve(
         self, right: np.ndarray, right_border: np.ndarray, *, refine: bool = True

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from derod.equilibrium import Outcome, Solution
-from derod.equilibrium.stability import Equilibrium
+from derod.equilibrium.loop import Outcome, Solution
+from derod.equilibrium.measured import Measured
 from derod.equilibrium.system import System
 from derod.push.kicks import Kick, kick
 from derod.rod.state import State
@@ -25,11 +25,11 @@ class Descent:
     """Where a descent ended, and how it came there."""
 
     solution: Solution
-    here: Equilibrium | None  # None where it did not converge
+    here: Measured | None  # None where it did not converge
     iterations: int
     kicks: list[Kick] = field(default_factory=list)
     other: float | None = (
-        None  # E_tot of the minimum on a kick's other side, K/D, if it was looked at
+        None  # energy of the minimum on a kick's other side, K/D, if it was looked at
     )
 
     @property
@@ -74,7 +74,7 @@ class Descender:
         self,
         system: System,
         down: Callable[[State], Solution],
-        analyse: Callable[[State], Equilibrium],
+        analyse: Callable[[State], Measured],
         noise: Noise,
     ) -> None:
         self.system = system
@@ -108,7 +108,7 @@ class Descender:
         best.iterations = descent.iterations + again.iterations
         return best
 
-    def leave(self, settled: Solution, here: Equilibrium) -> Descent:
+    def leave(self, settled: Solution, here: Measured) -> Descent:
         """Leave a settled, unstable state by a kick, and go down to a minimum."""
         return self._onward(Descent(settled, here, settled.iterations), both=True)
 
@@ -128,7 +128,7 @@ class Descender:
             if len(descent.kicks) >= MOST_KICKS or descent.iterations > LONGEST:
                 return descent
             system.gradient(solution.state)
-            before, energy = energy, system.energies(solution.state).total
+            before, energy = energy, system.energies(solution.state).potential
             fell_back = energy > before - FELL * (1 + abs(energy))
             amplitude = amplitude * STRONGER if fell_back else noise.amplitude
             vector = noise.start(len(descent.kicks), solution.state.q.shape)

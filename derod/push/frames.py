@@ -18,59 +18,12 @@ if TYPE_CHECKING:
     from derod.rod.state import State
     from derod.scene import Scene
 
-ROW = np.dtype(
-    [
-        ("increment", "i8"),
-        ("end_shortening", "f8"),  # delta
-        ("end_rotation", "f8"),  # R
-        ("end_tension", "f8"),  # t = -dE_tot/ddelta
-        ("energy_hat", "f8"),  # E_tot + f_gamma (delta + 1)
-        ("energy_total", "f8"),  # bend + twist + wall + capillary (+ weight)
-        ("energy_bend", "f8"),
-        ("energy_twist", "f8"),
-        ("energy_wall", "f8"),
-        ("energy_capillary", "f8"),  # -f_gamma (s_B - s_A)
-        ("wetted_length", "f8"),  # s_B - s_A
-        ("meniscus_a", "f8"),  # s_A
-        ("meniscus_b", "f8"),  # s_B
-        ("force_a", "f8"),  # f_A, toward the drop's centre, sys:meniscus-force
-        ("force_b", "f8"),
-        ("holonomy", "f8"),  # psi, followed through 2 pi
-        ("slide_force", "f8"),  # multiplier of the pinned sliding mode, zero up to discretisation
-        ("wall_gap", "f8"),  # least 1 + rho - 2 r over the wetted nodes
-        ("unstable_modes", "i4"),  # the drop held in its place along the rod
-        (
-            "slides",
-            "?",
-        ),  # sliding the drop along the rod is one more (``derod.equilibrium.stability``)
-        (
-            "converged",
-            "?",
-        ),  # whether the residual, taken anew from what is recorded, meets its tolerance
-        ("residual", "f8"),
-        ("iterations", "i4"),
-        (
-            "work_defect",
-            "f8",
-        ),  # energy beyond the end's work since the row before, zero but for snaps
-        ("turning_angle", "f8"),  # the largest at a node
-        ("segment", "i4"),  # which leg of push.stop: 0, 1, ...
-        ("smooth", "?"),  # reached along the branch from the row before: no kick, no snap
-        ("landing", "?"),  # this end-shortening was asked for in push.at, or is a turning point
-        ("next_step", "f8"),  # what the driver would try next (end-shortening), for resuming
-        ("wall_time", "f8"),  # seconds since the push began
-    ]
-)
-"""One row of the run table."""
-
-SCALARS = tuple(name for name in ROW.names or () if name != "increment")
-
 
 @dataclass(frozen=True, slots=True)
 class Frame:
-    """One settled increment: a ROW and the fields that drawing and resuming need."""
+    """One settled increment: a ``columns.ROW`` and the fields that drawing and resuming need."""
 
-    row: np.void  # of dtype ROW
+    row: np.void  # of dtype ``columns.ROW``
     positions: np.ndarray  # (N+1, 3), nodes, D
     arc_length: np.ndarray  # (N+1,), of the nodes, D
     drop_center: np.ndarray  # (3,), D

@@ -2,23 +2,28 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from scipy.optimize import brentq
 
 from derod.equilibrium.system import System
-from derod.rod.layout import S_A, S_B, X_C
 from derod.rod.state import State
+from derod.rod.unknowns import BORDER, ETA, F_A, S_A, S_B, X_C
 
 BUMP_WIDTH = 0.35  # D, of the odd tangent angle's bump
 
 
-def bent_guess(system: System, end_shortening: float) -> State:
+def bent_guess(system: System, physics: Any, end_shortening: float, side: float = 1.0) -> State:
     """Return a planar, inextensible guess with the given end-shortening (D); not an equilibrium.
 
-    The tangent's angle is a odd bump about the drop's centre, scaled to use up the end-shortening.
+    The tangent's angle is an odd bump about the drop's centre, scaled to use up the end-shortening; ``side``
+    is 1 or -1, the way it bends in y. ``physics`` are the constants it shall be settled with.
     """
-    physics, d = system.physics, system.dimension
-    state = State(np.zeros((system.edges + 1, d + 1)), np.zeros(d + 5), 0.0, end_shortening)
+    d = system.dimension
+    state = State(
+        np.zeros((system.edges + 1, d + 1)), np.zeros(BORDER + d), 0.0, end_shortening, physics
+    )
     if physics.drop:
         wetted = min(1 + end_shortening, 0.5 * (1 + physics.length))
         middle = 0.5 * physics.length
@@ -35,9 +40,9 @@ def bent_guess(system: System, end_shortening: float) -> State:
         lambda a: np.sum(rest * (1 - np.cos(a * shape))) - end_shortening, 0.0, np.pi
     )
     state.q[1:, d - 1] = np.cumsum(rest * np.cos(amplitude * shape))
-    state.q[1:, d - 2] = np.cumsum(rest * np.sin(amplitude * shape))
+    state.q[1:, d - 2] = side * np.cumsum(rest * np.sin(amplitude * shape))
     state.q[-1, d - 2] = 0.0
-    state.clamp_at(end_shortening, physics.length)
+    state.clamp_at(end_shortening)
     if not physics.drop:
         state.q[1:, d] = -4 * np.pi**2 / physics.length**2
         return state
@@ -46,6 +51,6 @@ def bent_guess(system: System, end_shortening: float) -> State:
     state.q[1:, d] = tension
     state.q[1 + kin.node_a : 1 + kin.node_b, d] = tension - physics.capillary_force
     menisci = state.q[[kin.node_a, kin.node_b], :d]
-    state.b[X_C : X_C + d] = menisci.mean(axis=0)
-    state.b[X_C + d : X_C + d + 2] = physics.capillary_force
+    state.b[X_C : F_A + d] = menisci.mean(axis=0)
+    state.b[F_A + d : ETA + d] = physics.capillary_force
     return state

@@ -13,8 +13,8 @@ import numpy as np
 
 from derod.equilibrium.stability import lowest_mode
 from derod.equilibrium.system import System
-from derod.rod.layout import X_C
 from derod.rod.state import State, in_space
+from derod.rod.unknowns import F_A
 
 SLOPED = 0.5  # of the kick's gain by curvature: a slope that gives more than this decides the side
 SYMMETRIC = 1e-6  # relative, of what a symmetry must leave of a state, and take from a mode
@@ -42,10 +42,10 @@ def kick(
     """
     value, mode_q, mode_b = lowest_mode(system, state, start)
     system.gradient(state)
-    energy = system.energies(state).total
+    energy = system.energies(state).potential
     d = system.dimension
     slope = float(np.sum(system.room.r[1:-1, :d] * mode_q[1:-1, :d]))
-    slope += float(system.room.rb[: X_C + d] @ mode_b[: X_C + d])
+    slope += float(system.room.rb[: F_A + d] @ mode_b[: F_A + d])
     sloped = abs(slope) > SLOPED * 0.5 * abs(value) * amplitude
     sign = -np.sign(slope) if sloped else side
     gap = system.wall_gap(state)
@@ -57,7 +57,7 @@ def kick(
         if (
             inside
             and system.project(moved, 2 * abs(value))
-            and system.energies(moved).total < energy
+            and system.energies(moved).potential < energy
         ):
             break
         amplitude *= 0.5
@@ -67,7 +67,7 @@ def kick(
         moved,
         value,
         bool(sloped),
-        breaks_a_symmetry(state, mode_q, system.end_rotation - state.holonomy),
+        breaks_a_symmetry(state, mode_q, state.physics.end_rotation - state.holonomy),
     )
 
 

@@ -1,8 +1,9 @@
-"""Predict the state at the next end-shortening from the branch's slope and the state before."""
+"""Predict the state at the control's next value from the branch's slope and the state before."""
 
 from __future__ import annotations
 
-from derod.equilibrium.stability import Equilibrium
+from derod.equilibrium.control import Control
+from derod.equilibrium.measured import Measured
 from derod.equilibrium.system import System
 from derod.push.prediction import extrapolate
 from derod.rod.state import State
@@ -11,25 +12,27 @@ LONGEST_LOOK_AHEAD = 2.5  # of the last increment, for the second order
 
 
 def predict(
-    system: System, state: State, here: Equilibrium, before: State | None, target: float
+    system: System, control: Control, here: Measured, before: State | None, target: float
 ) -> State | None:
-    """Return a guess of the state at end-shortening ``target`` (D), or None where none is sound.
+    """Return a guess of the state at the control's value ``target``, or None where none is sound.
 
     Second order where ``before``, the state before on the same branch, is near enough; first order
     otherwise; along the wall's curve where a straight prediction runs into it. Near a joint or a fold the
     slope is steep, and only a shorter step has a sound guess (``push.prediction``).
     """
-    h = target - state.end_shortening
-    back = 0.0 if before is None else before.end_shortening - state.end_shortening
+    state = here.state
+    h = target - here.control_value
+    back = 0.0 if before is None else control.value(before) - here.control_value
     old = state if before is None else before
     orders = (back, 0.0) if back != 0.0 and abs(h / back) <= LONGEST_LOOK_AHEAD else (0.0,)
     guess = state.copy()
     for follow_wall in (False, True):
         for reach in orders:
             if extrapolate(
-                system.physics, system.room.kin, state.q, state.b, here.slope_q, here.slope_b, h,
+                state.physics, system.room.kin, state.q, state.b, here.slope_q, here.slope_b, h,
                 old.q, old.b, reach, follow_wall, guess.q, guess.b,
             ):  # fmt: skip
-                guess.clamp_at(target, system.physics.length)
+                control.set(guess, target)
+                guess.read_end()
                 return guess
     return None

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from derod.algebra.jit import kernel
-from derod.rod.layout import S_A, S_B
 from derod.rod.terms.wall import stay_inside, wall_gap
+from derod.rod.unknowns import S_A, S_B
 
 FARTHEST = 0.25  # D a node may be predicted to move
 MOST_CHANGE = (
@@ -36,9 +36,6 @@ def extrapolate(
         if ratio > 0:
             change += ratio * (old_b[k] - b[k] - back * slope_b[k])
         new_b[k] = b[k] + change
-    for k in range(d):  # the end clamp, without rounding
-        new_q[q.shape[0] - 1, k] = q[q.shape[0] - 1, k]
-    new_q[q.shape[0] - 1, d - 1] -= h
     if follow_wall:
         stay_inside(physics, kin, q, b, new_q, new_b)
     gap = wall_gap(physics, kin, q, b)

@@ -11,7 +11,8 @@ from derod.errors import RecordError
 from derod.files import checks
 from derod.files.digest import committed_digest, record_digest
 from derod.files.gate import Gate
-from derod.push.frames import ROW, Ending, Outcome
+from derod.push.columns import ROW
+from derod.push.frames import Ending, Outcome
 from derod.record import layout
 
 

@@ -27,7 +27,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from derod.push.frames import ROW
+from derod.push.columns import ROW
 
 FORMAT = 2
 """Version of this layout; readers refuse a newer one."""

@@ -13,7 +13,7 @@ smooth in s_A and s_B.
 from __future__ import annotations
 
 from derod.algebra.jit import inlined, kernel
-from derod.rod.layout import S_A, S_B
+from derod.rod.unknowns import S_A, S_B
 
 
 @inlined

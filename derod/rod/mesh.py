@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from derod.rod.layout import Mesh
+from derod.rod.arrays import Mesh
 from derod.scene.tables import Mesh as MeshOptions
+from derod.scene.tables import Scene
 
 
 def wetted_mesh(options: MeshOptions, elastocapillary: float) -> Mesh:
@@ -22,6 +23,14 @@ def wetted_mesh(options: MeshOptions, elastocapillary: float) -> Mesh:
     return Mesh(
         (edges - inside) // 2, fractions, quadrature(fractions), options.layer * elastocapillary
     )
+
+
+def mesh_of(scene: Scene) -> Mesh:
+    """Return the grid of a scene; it does not change along a push."""
+    if scene.drop is None:
+        return dry_mesh(scene.mesh.edges)
+    strongest = scene.drop.capillary_force / scene.rod.bending
+    return wetted_mesh(scene.mesh, strongest**-0.5)
 
 
 def dry_mesh(edges: int) -> Mesh:

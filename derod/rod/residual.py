@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from derod.algebra.jit import kernel
-from derod.rod.layout import X_C
+from derod.rod.unknowns import BORDER, F_A
 
 EPS = float(np.finfo(np.float64).eps)
 ROUNDING = 16.0  # of the stiffness h^-3 of a bent vertex
@@ -22,12 +22,17 @@ def excess(physics, r, rb, kin, tolerance):
     """Return (largest ratio of a residual to its tolerance, largest force residual in K0/D^2).
 
     Forces are held to ``tolerance`` (K0/D^2), lengths to ``tolerance`` (relative); at most 1 is
-    converged. The ends' rows are reactions and are left out.
+    converged. The ends' rows are reactions and are left out, but for the axial
+    one of an end that slides.
     """
     d = len(physics.axis)
     n = r.shape[0] - 1
     worst = 0.0
     force = 0.0
+    if physics.slides:
+        force = abs(r[n, d - 1])
+        h = kin.rest[n]
+        worst = force / (tolerance + EPS * physics.length * ROUNDING / (h * h * h))
     barrier = 0.0
     shortest = kin.rest[1]
     for i in range(1, n + 1):
@@ -45,9 +50,9 @@ def excess(physics, r, rb, kin, tolerance):
             worst = max(worst, abs(r[i, k]) / allowed)
     stiffness = ROUNDING / (shortest * shortest) + WALL_ROUNDING * np.sqrt(barrier)
     allowed = tolerance + EPS * physics.length * stiffness
-    for k in range(X_C + d):
+    for k in range(F_A + d):
         force = max(force, abs(rb[k]))
         worst = max(worst, abs(rb[k]) / allowed)
-    for k in range(X_C + d, d + 5):
+    for k in range(F_A + d, BORDER + d):
         worst = max(worst, abs(rb[k]) / (tolerance + 8 * EPS * physics.length))
     return worst, force

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
 from typing import NamedTuple
 
 from derod.errors import SceneError
+from derod.scene.program import legs, ways
 from derod.scene.tables import Scene
 
 MOST_ROWS = 100_000
@@ -28,9 +28,13 @@ class Plan(NamedTuple):
 
 def planned(scene: Scene) -> Plan:
     """What the push of ``scene`` records where no increment has to be shortened."""
-    points = (scene.push.start, *scene.push.stop)
-    way = sum(abs(after - before) for before, after in pairwise(points))
-    rows = 1 + len(scene.push.at) + int(way / scene.push.max_step)
+    rows = 1 + len(scene.push.at) + sum(len(step.at) for step in scene.steps)
+    rows += int(
+        sum(
+            abs(stop - begin) / leg.max_step
+            for (begin, stop), leg in zip(ways(scene), legs(scene), strict=True)
+        )
+    )
     edges = scene.mesh.edges
     return Plan(rows, rows * (ROW_BYTES + 8 * (5 * edges + 7)))
 

@@ -13,6 +13,7 @@ from typing import Any
 import msgspec.structs
 
 from derod.errors import SceneError
+from derod.scene.controls import HELD, held_value
 from derod.scene.material import MATERIAL_KEYS, derived, plain_material, with_groups
 from derod.scene.rules import KEYS, Key, check_together
 from derod.scene.tables import (
@@ -26,6 +27,7 @@ from derod.scene.tables import (
     Relax,
     Rod,
     Scene,
+    Step,
     Table,
 )
 
@@ -38,6 +40,7 @@ TABLES: dict[str, type[Table]] = {
     "drop": Drop,
     "clamps": Clamps,
     "push": Push,
+    "steps": Step,
     "mesh": Mesh,
     "relax": Relax,
     "noise": Noise,
@@ -87,7 +90,7 @@ def build_scene(data: Mapping[str, Any], path: str | None = None) -> Scene:
     for name, value in data.items():
         if name not in TABLES:
             raise _unknown_table(name, path)
-        if not isinstance(value, Mapping):
+        if name != "steps" and not isinstance(value, Mapping):
             raise SceneError(
                 "is not a table", file=path, key=name, value=value, allowed=f"[{name}]"
             )
@@ -107,10 +110,59 @@ def build_scene(data: Mapping[str, Any], path: str | None = None) -> Scene:
     tables: dict[str, Any] = {
         name: None if dry and name == "drop" else _read_table(name, data.get(name, {}), path)
         for name in KEYS
+        if name != "steps"
     }
+    steps = data.get("steps", ())
+    if not steps and "stop" not in data.get("push", {}):
+        allowed = KEYS["push"]["stop"].allowed
+        raise SceneError("is missing", file=path, key="push.stop", allowed=allowed)
     scene = Scene(**tables, material=material, path=path)
+    scene = _with_push(scene, data.get("push", {}))
+    scene = msgspec.structs.replace(scene, steps=_read_steps(scene, steps, path))
     check_together(scene)
     return scene
+
+
+def _with_push(scene: Scene, given: Mapping[str, Any]) -> Scene:
+    """The scene with the start and the step of a control other than the end-shortening filled in."""
+    push = scene.push
+    if push.control == "end_shortening":
+        return scene
+    filled: dict[str, Any] = {}
+    if "start" not in given:
+        filled["start"] = held_value(scene, push.control)
+        if filled["start"] is None:
+            key = f"{HELD[push.control].table}.{push.control}"
+            raise SceneError("is missing, and so is push.start", file=scene.path, key=key,
+                             allowed=HELD[push.control].allowed)  # fmt: skip
+    if "max_step" not in given:
+        filled["max_step"] = _usual_step(scene, push.control)
+    return msgspec.structs.replace(scene, push=msgspec.structs.replace(push, **filled))
+
+
+def _usual_step(scene: Scene, control: str) -> float:
+    if HELD[control].needs == "drop":
+        scene.require_drop()
+    return HELD[control].step(scene)
+
+
+def _read_steps(scene: Scene, data: Any, path: str | None) -> tuple[Step, ...]:
+    """The tables of [[steps]]; what they leave out is that of [push], or of their control."""
+    if not isinstance(data, list | tuple) or not all(isinstance(item, Mapping) for item in data):
+        raise SceneError(
+            "is not a list of tables", file=path, key="steps", value=data, allowed="[[steps]]"
+        )
+    made = []
+    for n, given in enumerate(data):
+        item = {"control": scene.push.control, **given}
+        control = _read_key(f"steps[{n}].control", KEYS["steps"]["control"], item["control"], path)
+        if "max_step" not in item:
+            same = control == scene.push.control
+            item["max_step"] = scene.push.max_step if same else _usual_step(scene, control)
+        step = _read_table("steps", item, path, f"steps[{n}]")
+        assert isinstance(step, Step)
+        made.append(step)
+    return tuple(made)
 
 
 def replace_keys(scene: Scene, changes: Mapping[str, Any]) -> Scene:
@@ -136,23 +188,27 @@ def replace_keys(scene: Scene, changes: Mapping[str, Any]) -> Scene:
     return build_scene(data, scene.path)
 
 
-def plain_tables(scene: Scene) -> dict[str, dict[str, Any]]:
+def plain_tables(scene: Scene) -> dict[str, Any]:
     """The scene as nested tables of plain values; ``build_scene`` gives an equal scene.
 
     What [material] gives is left out of [rod] and [drop].
     """
     known = {} if scene.material is None else derived(scene.material)
-    return {
+    tables: dict[str, Any] = {
         table: plain_material(struct)
         if isinstance(struct, Material)
         else {
             name: plain(value)
             for name in struct.__struct_fields__
             for value in [getattr(struct, name)]
-            if (table, name) not in known or known[table, name].value != value
+            if value is not None
+            and ((table, name) not in known or known[table, name].value != value)
         }
         for table, struct in scene.tables().items()
     }
+    if scene.steps:
+        tables["steps"] = [plain(step) for step in scene.steps]
+    return tables
 
 
 def plain(value: Any) -> Any:
@@ -170,16 +226,19 @@ def plain(value: Any) -> Any:
     return value
 
 
-def _read_table(table: str, data: Mapping[str, Any], path: str | None) -> Table:
+def _read_table(
+    table: str, data: Mapping[str, Any], path: str | None, called: str | None = None
+) -> Table:
     keys, struct = ALL_KEYS[table], TABLES[table]
+    called = table if called is None else called
     for name in data:
         if name not in keys:
             raise _unknown_key(table, name, path)
     for name in keys:
         if name in _required(struct) and name not in data:
             allowed = keys[name].allowed
-            raise SceneError("is missing", file=path, key=f"{table}.{name}", allowed=allowed)
-    values = {name: _read_key(f"{table}.{name}", keys[name], data[name], path) for name in data}
+            raise SceneError("is missing", file=path, key=f"{called}.{name}", allowed=allowed)
+    values = {name: _read_key(f"{called}.{name}", keys[name], data[name], path) for name in data}
     if "at" in values:
         values["at"] = tuple(sorted(values["at"]))
     return struct(**values)

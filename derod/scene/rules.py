@@ -8,13 +8,12 @@ from itertools import pairwise
 from typing import Any, NoReturn
 
 from derod.errors import SceneError
+from derod.scene.controls import HELD, LARGEST, STRONGEST, WEAKEST
 from derod.scene.plan import LEAST_STEP
+from derod.scene.program import SHORTENING, TENSION, legs, slides_at_start, ways
 from derod.scene.quantities import read_integer, read_number, read_quantity, write_quantity
 from derod.scene.tables import Scene
 
-LARGEST = 1e6  # D; beyond it sums of energies have no digits left
-STRONGEST = 1e9  # of stiffnesses and forces: any unit K0 will do
-WEAKEST = 1e-12
 CLAMP_CLEARANCE = 0.9
 METHODS = ("implicit", "elliptic", "fire", "kinetic")
 
@@ -35,17 +34,22 @@ def _bending(value: object) -> float:
     return read_number(value)
 
 
-def _weight(value: object) -> float:
-    weight = read_number(value)
-    if weight != 0.0:
-        raise ValueError("asks for a drop with weight, which is not yet supported")
-    return weight
-
-
 def _method(value: object) -> str:
     if not isinstance(value, str) or value not in METHODS:
         raise ValueError("is no relaxation method")
     return value
+
+
+def _control(value: object) -> str:
+    if not isinstance(value, str) or value not in HELD:
+        raise ValueError("is no control")
+    return value
+
+
+def _side(value: object) -> str:
+    if value not in ("down", "up"):
+        raise ValueError("is no way to bend")
+    return str(value)
 
 
 def _switch(value: object) -> bool:
@@ -58,7 +62,31 @@ def _any(_: object) -> bool:
     return True
 
 
-_end_shortening = Key(read_quantity, lambda x: x > 0.0, "an end-shortening above 0, e.g. '2.8 pi'")
+def _finite(value: float) -> bool:
+    return abs(value) <= STRONGEST
+
+
+_end_shortening = HELD[SHORTENING].allowed
+_PATH = {
+    "control": Key(_control, _any, ", ".join(HELD)),
+    "stop": Key(
+        read_quantity, _finite, _end_shortening + ", or a list of turning points", many="or"
+    ),
+    "at": Key(
+        read_quantity,
+        _finite,
+        "a list of end-shortenings above 0, e.g. ['0.1 pi', 1.5]",
+        many="list",
+    ),
+    "max_step": Key(
+        read_quantity, lambda x: 0.0 < x <= LARGEST, "a step of the end-shortening above 0"
+    ),
+}
+
+
+def _held(name: str) -> Key:
+    return Key(read_quantity, HELD[name].holds, HELD[name].allowed)
+
 
 KEYS: dict[str, dict[str, Key]] = {
     "rod": {
@@ -80,31 +108,15 @@ KEYS: dict[str, dict[str, Key]] = {
         "wall_softness": Key(
             read_quantity, lambda x: WEAKEST <= x <= 1.0, "a number from 1e-12 to 1"
         ),
-        "weight": Key(_weight, _any, "0"),
+        "weight": Key(read_number, HELD["weight"].holds, HELD["weight"].allowed),
     },
-    "clamps": {
-        "end_rotation": Key(
-            read_quantity, lambda x: abs(x) <= LARGEST, "an angle in radians, e.g. '2 pi'"
-        ),
-    },
+    "clamps": {name: _held(name) for name in ("end_rotation", SHORTENING, TENSION)},
     "push": {
-        "start": _end_shortening,
-        "stop": Key(
-            _end_shortening.read,
-            _end_shortening.holds,
-            _end_shortening.allowed + ", or a list of turning points",
-            many="or",
-        ),
-        "at": Key(
-            _end_shortening.read,
-            _end_shortening.holds,
-            "a list of end-shortenings above 0, e.g. ['0.1 pi', 1.5]",
-            many="list",
-        ),
-        "max_step": Key(
-            read_quantity, lambda x: 0.0 < x <= LARGEST, "a step of the end-shortening above 0"
-        ),
+        **_PATH,
+        "start": Key(read_quantity, _finite, _end_shortening),
+        "bend": Key(_side, _any, "'down' or 'up'"),
     },
+    "steps": _PATH,
     "mesh": {
         "edges": Key(read_integer, lambda n: 12 <= n <= 100_000, "an integer from 12 to 100000"),
         "wetted_share": Key(read_number, lambda x: 0.3 <= x <= 0.8, "a share from 0.3 to 0.8"),
@@ -147,39 +159,10 @@ def largest_end_shortening(length: float) -> float:
 
 def check_together(scene: Scene) -> None:
     """Check what one key alone cannot tell; raises SceneError."""
-    push = scene.push
-    length = scene.rod.length
-    if scene.drop is None:
-        limit, within = length, f"below {length:g}, where the clamps meet"
-    else:
-        if length <= 1.0:
-            _fail(scene, "rod.length", length, "is out of range", KEYS["rod"]["length"].allowed)
-        limit = largest_end_shortening(length)
-        within = (
-            f"below {limit:g}: with a rod of length {length:g} the clamps would stand "
-            f"closer than the menisci (the rod runs out near {length - 1.0:g})"
-        )
-    legs = [("push.start", push.start)]
-    legs += [
-        (f"push.stop[{i}]" if len(push.stop) > 1 else "push.stop", stop)
-        for i, stop in enumerate(push.stop)
-    ]
-    for key, value in legs:
-        if value >= limit:
-            _fail(scene, key, value, "is a push past what the rod can give", within)
-    _check_turns(scene, [value for _, value in legs])
-    least = LEAST_STEP * max(1.0, *(value for _, value in legs))
-    if push.max_step < least:
-        _fail(
-            scene, "push.max_step", push.max_step, "is lost in rounding", f"{least:.3g} and above"
-        )
-    low, high = covered_range(scene)
-    for i, value in enumerate(push.at):
-        if not low <= value <= high:
-            reach = f"from {write_quantity(low)} to {write_quantity(high)}, what the push covers"
-            _fail(scene, f"push.at[{i}]", value, "is never reached", reach)
-        if i and value == push.at[i - 1]:  # they are in order
-            _fail(scene, f"push.at[{i}]", value, "is given twice", "each landing once")
+    _check_length(scene)
+    _check_controls(scene)
+    _check_legs(scene)
+    _check_landings(scene)
     if scene.model.dimension == 2 and scene.clamps.end_rotation != 0.0:
         _fail(
             scene,
@@ -190,8 +173,115 @@ def check_together(scene: Scene) -> None:
         )
 
 
+def _check_length(scene: Scene) -> None:
+    """A rod in a drop must be longer than the drop is wide."""
+    length = scene.rod.length
+    if scene.drop is not None and length <= 1.0:
+        _fail(scene, "rod.length", length, "is out of range", KEYS["rod"]["length"].allowed)
+
+
+def _reach(scene: Scene) -> tuple[float, str]:
+    """What no end-shortening may reach (D), and why."""
+    length = scene.rod.length
+    if scene.drop is None:
+        return length, f"below {length:g}, where the clamps meet"
+    limit = largest_end_shortening(length)
+    return limit, (
+        f"below {limit:g}: with a rod of length {length:g} the clamps would stand "
+        f"closer than the menisci (the rod runs out near {length - 1.0:g})"
+    )
+
+
+def _check_controls(scene: Scene) -> None:
+    """What pushes must be there, and what does not push must be held."""
+    clamps, push = scene.clamps, scene.push
+    controls = [("push.control", push.control)]
+    controls += [(f"steps[{n}].control", step.control) for n, step in enumerate(scene.steps)]
+    for key, control in controls:
+        needs = HELD[control].needs
+        if needs == "drop" and scene.drop is None:
+            _fail(scene, key, control, "needs a drop", "another control, or model.drop = true")
+        if needs == "space" and scene.model.dimension == 2:
+            _fail(scene, key, control, "turns the rod out of its plane", "model.dimension = 3")
+    slides = slides_at_start(scene)
+    if slides and clamps.end_shortening is not None:
+        _fail(
+            scene,
+            "clamps.end_shortening",
+            clamps.end_shortening,
+            "is held although the end slides under a dead load",
+            "no end-shortening with an end tension",
+        )
+    if push.control == SHORTENING and clamps.end_tension is not None:
+        _fail(
+            scene,
+            "clamps.end_tension",
+            clamps.end_tension,
+            "lets the end slide that the push moves",
+            "another push.control, or no end tension",
+        )
+    if push.control != SHORTENING and not slides and clamps.end_shortening is None:
+        raise SceneError(
+            f"is missing: nothing holds the end while the {HELD[push.control].words} pushes",
+            file=scene.path,
+            key="clamps.end_shortening",
+            allowed=f"{HELD[SHORTENING].allowed}, or clamps.end_tension",
+        )
+    if scene.relax.method != "implicit" and (slides or any(leg.slides for leg in legs(scene))):
+        _fail(
+            scene,
+            "relax.method",
+            scene.relax.method,
+            "cannot settle an end that slides",
+            "'implicit' with an end tension",
+        )
+
+
+def _check_legs(scene: Scene) -> None:
+    """Every leg must go somewhere, and no farther than it can."""
+    limit, within = _reach(scene)
+    path = [("push.start", scene.push.control, scene.push.start)]
+    path += [(leg.key, leg.control, leg.stop) for leg in legs(scene)]
+    if scene.clamps.end_shortening is not None:
+        path.append(("clamps.end_shortening", SHORTENING, scene.clamps.end_shortening))
+    for key, control, value in path:
+        if not HELD[control].holds(value):
+            _fail(scene, key, value, "is out of range", HELD[control].allowed)
+        if control == SHORTENING and value >= limit:
+            _fail(scene, key, value, "is a push past what the rod can give", within)
+    _check_turns(scene, [scene.push.start, *scene.push.stop])
+    for (begin, stop), leg in zip(ways(scene), legs(scene), strict=True):
+        least = LEAST_STEP * max(1.0, abs(begin), abs(stop))
+        if leg.max_step < least:
+            key = leg.key.partition(".stop")[0] + ".max_step"
+            _fail(scene, key, leg.max_step, "is lost in rounding", f"{least:.3g} and above")
+
+
+def _check_landings(scene: Scene) -> None:
+    """Every landing must lie on the way."""
+    low, high = covered_range(scene)
+    _check_each(scene, "push.at", scene.push.at, low, high)
+    for n, step in enumerate(scene.steps):
+        key = f"steps[{n}]"
+        stops = [way for way, leg in zip(ways(scene), legs(scene), strict=True)
+                 if leg.key.startswith(f"{key}.")]  # fmt: skip
+        values = [value for way in stops for value in way]
+        _check_each(scene, f"{key}.at", step.at, min(values), max(values))
+
+
+def _check_each(
+    scene: Scene, key: str, landings: tuple[float, ...], low: float, high: float
+) -> None:
+    for i, value in enumerate(landings):
+        if not low <= value <= high:
+            reach = f"from {write_quantity(low)} to {write_quantity(high)}, what the push covers"
+            _fail(scene, f"{key}[{i}]", value, "is never reached", reach)
+        if i and value == landings[i - 1]:  # they are in order
+            _fail(scene, f"{key}[{i}]", value, "is given twice", "each landing once")
+
+
 def covered_range(scene: Scene) -> tuple[float, float]:
-    """The least and the largest end-shortening of the push, in D."""
+    """The least and the largest value of ``push.control`` up to the last ``push.stop``."""
     points = (scene.push.start, *scene.push.stop)
     return min(points), max(points)
 
@@ -201,14 +291,20 @@ def _check_turns(scene: Scene, points: list[float]) -> None:
     for i, step in enumerate(steps):
         key = "push.stop" if len(steps) == 1 else f"push.stop[{i}]"
         if step == 0.0:
-            _fail(scene, key, points[i + 1], "does not move the clamp", "another end-shortening")
+            _fail(
+                scene,
+                key,
+                points[i + 1],
+                "does not move the clamp",
+                f"another {HELD[scene.push.control].words}",
+            )
         if i > 0 and step * steps[i - 1] > 0.0:
             turn = "turning points that go up and down in turn (use push.at to land in between)"
             _fail(scene, key, points[i + 1], "goes on the same way as the one before", turn)
 
 
-def _fail(scene: Scene, key: str, value: float, problem: str, allowed: str) -> NoReturn:
-    written = write_quantity(value)
+def _fail(scene: Scene, key: str, value: Any, problem: str, allowed: str) -> NoReturn:
+    written = write_quantity(value) if isinstance(value, float) else None
     raise SceneError(
         problem, file=scene.path, key=key, value=value, allowed=allowed, written=written
     )

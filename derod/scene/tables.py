@@ -77,18 +77,39 @@ class Clamps(Table, frozen=True, kw_only=True):
 
     end_rotation: float = 0.0
     """R, rad: how far the end clamp is turned about the axis."""
+    end_shortening: float | None = None
+    """delta, D: held where another control pushes first; None where nothing holds it."""
+    end_tension: float | None = None
+    """T, K0/D^2, of a dead load: the end clamp slides along the axis under it. None: it is held."""
 
 
 class Push(Table, frozen=True, kw_only=True):
-    """The path of the end-shortening delta, in D."""
+    """The path of the control, in its unit: D for the end-shortening delta."""
 
+    control: str = "end_shortening"
+    """What is changed: a name of ``derod.scene.controls``."""
     start: float = 0.001 * math.pi
-    """The first increment."""
-    stop: tuple[float, ...]
+    """The first increment; for other controls than the end-shortening, what stands in their table."""
+    stop: tuple[float, ...] = ()
     """The turning points, the last of which ends the push. One number in the file gives a tuple."""
     at: tuple[float, ...] = ()
-    """End-shortenings to land on exactly, in increasing order."""
+    """Values to land on exactly, in increasing order."""
     max_step: float = 0.02 * math.pi
+    """The largest increment; for other controls the one of ``derod.scene.controls``."""
+    bend: str = "down"
+    """Which way a heavy drop's rod bends at first, "down" (it hangs) or "up"."""
+
+
+class Step(Table, frozen=True, kw_only=True):
+    """One of ``[[steps]]``: what the push goes on with when it has come to ``push.stop``."""
+
+    control: str
+    """What is changed."""
+    stop: tuple[float, ...]
+    """Where to, with turning points on the way."""
+    at: tuple[float, ...] = ()
+    """Values to land on exactly, in increasing order."""
+    max_step: float
     """The largest increment."""
 
 
@@ -140,6 +161,8 @@ class Scene(msgspec.Struct, frozen=True, kw_only=True, eq=False):
     drop: Drop | None
     clamps: Clamps = Clamps()
     push: Push
+    steps: tuple[Step, ...] = ()
+    """What follows, with other controls."""
     mesh: Mesh = Mesh()
     relax: Relax = Relax()
     noise: Noise = Noise()
@@ -179,14 +202,14 @@ class Scene(msgspec.Struct, frozen=True, kw_only=True, eq=False):
         return self.drop
 
     def tables(self) -> dict[str, Table]:
-        """The tables by name, in the order of the file."""
-        names = (name for name in self.__struct_fields__ if name != "path")
+        """The tables by name, in the order of the file; ``steps`` come after ``push``."""
+        names = (name for name in self.__struct_fields__ if name not in ("path", "steps"))
         return {name: getattr(self, name) for name in names if getattr(self, name) is not None}
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Scene):
             return NotImplemented
-        return self.tables() == other.tables()
+        return self.tables() == other.tables() and self.steps == other.steps
 
     def __hash__(self) -> int:
-        return hash(tuple(self.tables().values()))
+        return hash((self.steps, *self.tables().values()))

@@ -9,7 +9,7 @@ from derod.scene.experiment import Group, group_errors
 from derod.scene.material import derived, plain_material
 from derod.scene.quantities import write_quantity
 from derod.scene.rules import QUANTITIES, covered_range
-from derod.scene.tables import Material, Scene
+from derod.scene.tables import Material, Scene, Step
 
 
 def dump_scene(scene: Scene) -> str:
@@ -26,11 +26,24 @@ def dump_scene(scene: Scene) -> str:
         else:
             for name in struct.__struct_fields__:
                 value = getattr(struct, name)
+                if value is None:
+                    continue
                 line = f"{name} = {_toml(value, (table, name) in QUANTITIES)}"
                 given = (table, name) in known and known[table, name].value == value
                 lines.append(f"# {line}  # from [material]" if given else line)
         blocks.append("\n".join(lines) + "\n")
+        if table == "push":
+            blocks += [_step(step) for step in scene.steps]
     return "\n".join(blocks)
+
+
+def _step(step: Step) -> str:
+    """One of [[steps]]."""
+    names = step.__struct_fields__
+    lines = [
+        f"{name} = {_toml(getattr(step, name), ('push', name) in QUANTITIES)}" for name in names
+    ]
+    return "\n".join(["[[steps]]", *lines]) + "\n"
 
 
 def _toml(value: Any, angle: bool) -> str:

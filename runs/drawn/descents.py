@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from derod.equilibrium import Report
+from derod.equilibrium.loop import Report
 from derod.equilibrium.system import System
 from derod.push.frames import Ending, Event, Frame
 from derod.rod.state import State

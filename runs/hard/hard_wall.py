@@ -13,10 +13,11 @@ from scipy.interpolate import CubicSpline
 
 import derod
 from derod.branches.record import open_branches
-from derod.equilibrium import make_relaxer, relax
+from derod.equilibrium.methods import make_relaxer
+from derod.equilibrium.loop import relax
 from derod.equilibrium.stability import analyse
 from derod.equilibrium.system import System
-from derod.rod.layout import S_A, S_B, X_C
+from derod.rod.unknowns import S_A, S_B, X_C
 from derod.rod.state import State
 
 PLACE = 1.5 * np.pi  # on the plateau of Pt

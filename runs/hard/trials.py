@@ -18,7 +18,8 @@ from hard.checks import Check
 from hard.hard_wall import pt_at_a_hard_wall
 
 import derod
-from derod.equilibrium import make_relaxer, relax
+from derod.equilibrium.methods import make_relaxer
+from derod.equilibrium.loop import relax
 from derod.equilibrium.stability import analyse
 from derod.equilibrium.system import System
 from derod.push.driver import frame_of

@@ -8,7 +8,8 @@ import scipy.interpolate
 import scipy.linalg
 
 import derod
-from derod.equilibrium import Outcome, make_relaxer, relax
+from derod.equilibrium.loop import Outcome, relax
+from derod.equilibrium.methods import make_relaxer
 from derod.equilibrium.elliptic_mass import CENTRE, fill_operator
 from derod.equilibrium.stability import analyse
 from derod.equilibrium.system import System

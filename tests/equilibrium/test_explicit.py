@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 import derod
-from derod.equilibrium import Outcome, make_relaxer, masses, relax
+from derod.equilibrium import masses
+from derod.equilibrium.loop import Outcome, relax
+from derod.equilibrium.methods import make_relaxer
 from derod.equilibrium import dynamics as explicit
 from derod.equilibrium.stability import analyse
 from derod.equilibrium.system import System

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from derod.equilibrium import Outcome, make_relaxer, relax
+from derod.equilibrium.loop import Outcome, relax
+from derod.equilibrium.methods import make_relaxer
 from derod.equilibrium.system import System
 from derod.push.guess import bent_guess
 from tests.scenes import coil

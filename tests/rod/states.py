@@ -6,7 +6,8 @@ import numpy as np
 
 from derod.rod import assembly
 from derod.rod.grid import lay_grid
-from derod.rod.layout import Mesh, Physics
+from derod.rod.arrays import Mesh
+from derod.rod.physics import Physics
 from derod.rod.mesh import dry_mesh, wetted_mesh
 from derod.scene.tables import Mesh as MeshOptions
 

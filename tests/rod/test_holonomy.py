@@ -6,7 +6,7 @@ import numpy as np
 from scipy.integrate import quad
 
 from derod.rod import assembly
-from derod.rod.layout import Physics
+from derod.rod.physics import Physics
 from derod.rod.mesh import dry_mesh
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import derod
-from derod.equilibrium import Report
+from derod.equilibrium.loop import Report
 from derod.push.frames import Ending, Event, Outcome
 from derod.rod.state import State
 from derod.views.stream.observer import MOST_STEPS, RelaxationWatch, RerunStream

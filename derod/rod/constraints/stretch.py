@@ -9,7 +9,7 @@ from derod.algebra.jit import inlined
 
 
 @inlined
-def add_stretch(kin, grad):
+def fill_chords(kin, grad):
     """Add the chords' share of the constraints g."""
     for e in range(1, kin.rest.size - 1):
         ratio = kin.size[e] / kin.rest[e]
@@ -17,7 +17,7 @@ def add_stretch(kin, grad):
 
 
 @inlined
-def add_stretch_gradient(kin, tension, grad):
+def add_gradient(physics, kin, q, b, psi, tension, grad):
     """Set the pull lambda |e| / l along the edges; add the derivatives by the rest lengths."""
     for e in range(1, kin.rest.size - 1):
         grad.pull[e] = tension[e] * kin.size[e] / kin.rest[e]
@@ -27,7 +27,7 @@ def add_stretch_gradient(kin, tension, grad):
 
 
 @inlined
-def add_stretch_hessian(physics, kin, tension, hess):
+def add_hessian(physics, kin, q, b, psi, tension, hess):
     """Add the second derivatives of lambda_e g_e."""
     d = len(physics.axis)
     for e in range(1, kin.rest.size - 1):

@@ -39,8 +39,8 @@ def fill_turns(kin, grad):
 
 
 @inlined
-def bending_energy(kin):
-    """Return E_bend, K0/D."""
+def energy(physics, kin, q, b, psi):
+    """Return E_bend, K/D."""
     total = 0.0
     for i in range(kin.fall.size):
         phi2, _, _ = squared_angle(kin.fall[i])
@@ -49,8 +49,8 @@ def bending_energy(kin):
 
 
 @inlined
-def fill_bending_gradient(axis, kin, tension, grad):
-    """Set the derivatives of sum C_i phi_i^2 by directions, duals and rest lengths; after ``fill_turns``.
+def add_gradient(physics, kin, q, b, psi, tension, grad):
+    """Add the derivatives of sum C_i phi_i^2 by directions, duals and rest lengths; after ``fill_turns``.
 
     C depends on x and the dual: dC/dm = -w^2 - x w^3 / 6, dC/dx = w^2 / 12.
     """
@@ -61,26 +61,28 @@ def fill_bending_gradient(axis, kin, tension, grad):
         cube[e] = tension[e] * kin.rest[e] * kin.rest[e] * kin.rest[e]
     for i in range(n + 1):
         share = kin.turn[i] * w[i] * w[i]
-        grad.dual[i] = -share * (1 + (cube[i] + cube[i + 1]) * w[i] / 6)
+        grad.dual[i] -= share * (1 + (cube[i] + cube[i + 1]) * w[i] / 6)
     for i in range(n + 1):
         force[i] = kin.turn[i] * w[i] * w[i]
     for e in range(1, n + 1):
-        grad.rest[e] = 0.25 * tension[e] * kin.rest[e] * kin.rest[e] * (force[e - 1] + force[e])
+        grad.rest[e] += 0.25 * tension[e] * kin.rest[e] * kin.rest[e] * (force[e - 1] + force[e])
     for i in range(n + 1):
         x = cube[i] + cube[i + 1]
         force[i] = (w[i] + x * w[i] * w[i] / 12) * kin.turn_slope[i]
     # u = 1 - t_i . t_{i+1}: du/dt_i is the change at i but for a part along t_i, and so is -du/dt_{i+1}
-    for k in range(len(axis)):
+    for k in range(len(physics.axis)):
         for e in range(1, n + 1):
-            grad.direction[k, e] = force[e - 1] * kin.change[k, e - 1] - force[e] * kin.change[k, e]
+            grad.direction[k, e] += (
+                force[e - 1] * kin.change[k, e - 1] - force[e] * kin.change[k, e]
+            )
 
 
 @inlined
-def add_bending_hessian(physics, kin, tension, hess):
+def add_hessian(physics, kin, q, b, psi, tension, hess):
     """Add the second derivatives of sum C_i phi_i^2."""
     d = len(physics.axis)
     for i in range(kin.rest.size - 1):
-        a, b = hess.tangent[i], hess.tangent[i + 1]
+        left, right = hess.tangent[i], hess.tangent[i + 1]
         u = kin.fall[i]
         phi2, slope, curve = squared_angle(u)
         p, r = kin.rest[i], kin.rest[i + 1]
@@ -93,11 +95,11 @@ def add_bending_hessian(physics, kin, tension, hess):
         cp = p * p * p * w * w / 12  # dC/dlambda_p
         cr = r * r * r * w * w / 12
         for k in range(d):
-            a_k, b_k = a[k], b[k]
+            a_k, b_k = left[k], right[k]
             up_k = -(b_k - cosine * a_k) * ip  # du/de_i
             ur_k = -(a_k - cosine * b_k) * ir  # du/de_{i+1}
             for m in range(d):
-                a_m, b_m = a[m], b[m]
+                a_m, b_m = left[m], right[m]
                 same = 1.0 if k == m else 0.0
                 up_m = -(b_m - cosine * a_m) * ip
                 ur_m = -(a_m - cosine * b_m) * ir
@@ -122,7 +124,7 @@ def add_bending_hessian(physics, kin, tension, hess):
             hess.constraint_menisci[s, i] += share * p * p * (3 * p_s - 2 * p * m_s * w)
             hess.constraint_menisci[s, i + 1] += share * r * r * (3 * r_s - 2 * r * m_s * w)
             for k in range(d):
-                a_k, b_k = a[k], b[k]
+                a_k, b_k = left[k], right[k]
                 hess.edge_menisci[s, i, k] -= c_s * slope * (b_k - cosine * a_k) * ip
                 hess.edge_menisci[s, i + 1, k] -= c_s * slope * (a_k - cosine * b_k) * ir
             for v in range(2):

@@ -26,16 +26,16 @@ def squared_difference(axis, kin, e):
 
 
 @inlined
-def defect_energy(axis, kin):
-    """Return E_defect, K0/D; it is part of the bending energy."""
+def energy(physics, kin, q, b, psi):
+    """Return E_defect, K/D; it is part of the bending energy."""
     total = 0.0
     for e in range(1, kin.rest.size - 1):
-        total += kin.rest[e] / 12 * squared_difference(axis, kin, e)
+        total += kin.rest[e] / 12 * squared_difference(physics.axis, kin, e)
     return total
 
 
 @inlined
-def add_defect_gradient(axis, kin, grad):
+def add_gradient(physics, kin, q, b, psi, tension, grad):
     """Add the derivatives of E_defect by directions, duals and rest lengths.
 
     With d perpendicular to t: dF/dt_+ = 2 alpha d, dF/dt_- = 2 beta d, dF/dt = -2 sigma d, and
@@ -43,7 +43,7 @@ def add_defect_gradient(axis, kin, grad):
     """
     n = kin.rest.size - 2
     d, w, rest = kin.difference, kin.weight, kin.rest
-    for k in range(len(axis)):
+    for k in range(len(physics.axis)):
         for e in range(1, n + 1):
             grad.direction[k, e] += (
                 w[e - 1] * rest[e - 1] * d[k, e - 1]
@@ -52,26 +52,30 @@ def add_defect_gradient(axis, kin, grad):
             ) / 3
     for i in range(n + 1):
         turning = 0.0
-        for k in range(len(axis)):
+        for k in range(len(physics.axis)):
             turning += kin.change[k, i] * (rest[i + 1] * d[k, i + 1] - rest[i] * d[k, i])
         grad.by_vertex[i] = turning
     for i in range(n + 1):
         grad.dual[i] += w[i] * w[i] * grad.by_vertex[i] / 3
     for e in range(1, n + 1):
-        grad.rest[e] += squared_difference(axis, kin, e) / 12
+        grad.rest[e] += squared_difference(physics.axis, kin, e) / 12
 
 
 @inlined
-def add_defect_hessian(axis, kin, hess):
+def add_hessian(physics, kin, q, b, psi, tension, hess):
     """Add the second derivatives of E_defect.
 
     F is a function of three unit vectors; that an edge's direction is one adds, for a first derivative
     G by the direction u, -((G.u) (1 - u u^T) + G_perp u^T + u G_perp^T)/|e|^2.
     """
-    n = len(axis)
+    n = len(physics.axis)
     for e in range(1, kin.rest.size - 1):
         alpha, beta = 2 * kin.weight[e], 2 * kin.weight[e - 1]
-        d, sigma, square = hess.difference[e], kin.along[e], squared_difference(axis, kin, e)
+        d, sigma, square = (
+            hess.difference[e],
+            kin.along[e],
+            squared_difference(physics.axis, kin, e),
+        )
         o, r, l = hess.tangent[e], hess.tangent[e + 1], hess.tangent[e - 1]
         io, ir, il = kin.inverse[e], kin.inverse[e + 1], kin.inverse[e - 1]
         right, left, cr, cl, cx = 0.0, 0.0, 0.0, 0.0, 0.0

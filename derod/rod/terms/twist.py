@@ -101,45 +101,53 @@ def cross_component(a, b, k):
 
 
 @inlined
-def twisting_moment(physics, end_rotation, psi):
-    """Return m_3 = k3 (R - psi)/l, K0/D."""
-    return physics.twisting * (end_rotation - psi) / physics.length
+def twisting_moment(physics, psi):
+    """Return m_3 = k3 (R - psi)/l, K/D."""
+    return physics.twisting * (physics.end_rotation - psi) / physics.length
 
 
 @inlined
-def add_twist_gradient(kin, moment, grad):
+def energy(physics, kin, q, b, psi):
+    """Return E_twist, K/D."""
+    return 0.5 * twisting_moment(physics, psi) * (physics.end_rotation - psi)
+
+
+@inlined
+def add_gradient(physics, kin, q, b, psi, tension, grad):
     """Add -m_3 grad(psi) by the edges; ``holonomy`` has filled grad(psi)."""
+    moment = twisting_moment(physics, psi)
     for k in range(3):
         for e in range(1, kin.rest.size - 1):
             grad.edge[k, e] -= moment * grad.holonomy[k, e]
 
 
 @inlined
-def add_twist_hessian(kin, moment, hess):
+def add_hessian(physics, kin, q, b, psi, tension, hess):
     """Add -m_3 times the second derivatives of psi; k3/l grad psi grad psi is a border row.
 
     By one edge twice, the vertices' parts have antisymmetric halves that cancel in the sum: they are
     left out.
     """
+    moment = twisting_moment(physics, psi)
     for i in range(kin.rest.size - 1):
         cosine = 1 - kin.fall[i]
         inverse = 1.0 / (2 - kin.fall[i])
         # a x b, of which the binormal is ``inverse`` times
         normal = kin.normal[0, i], kin.normal[1, i], kin.normal[2, i]
-        a, b = hess.tangent[i], hess.tangent[i + 1]
+        left, right = hess.tangent[i], hess.tangent[i + 1]
         ip, ir = kin.inverse[i], kin.inverse[i + 1]
-        add_own_edge(normal, a, b, cosine, inverse, 0.5 * moment * ip * ip, hess.edge[i])
-        add_own_edge(normal, b, a, cosine, inverse, 0.5 * moment * ir * ir, hess.edge[i + 1])
+        add_own_edge(normal, left, right, cosine, inverse, 0.5 * moment * ip * ip, hess.edge[i])
+        add_own_edge(normal, right, left, cosine, inverse, 0.5 * moment * ir * ir, hess.edge[i + 1])
         scale = moment * inverse * ip * ir
         for k in range(3):
             k1, k2 = (k + 1) % 3, (k + 2) % 3
             for m in range(3):
                 # ([a]x - binormal a^T) (1 - b b^T)
-                entry = -inverse * normal[k] * (a[m] - cosine * b[m]) - normal[k] * b[m]
+                entry = -inverse * normal[k] * (left[m] - cosine * right[m]) - normal[k] * right[m]
                 if m == k2:
-                    entry += a[k1]
+                    entry += left[k1]
                 elif m == k1:
-                    entry -= a[k2]
+                    entry -= left[k2]
                 hess.vertex[i, k, m] += scale * entry
     for e in range(1, kin.rest.size - 1):
         add_corner_hessian(kin, e, -0.125 * moment, hess)

@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 
 from derod.algebra.jit import inlined, kernel
-from derod.rod.layout import S_A, S_B, X_C
+from derod.rod.unknowns import S_A, S_B, X_C
 
 CORE = 0.01  # D
 CURVED = 0.5  # of the gap that a step leaves, below which it must follow the wall
@@ -88,7 +88,7 @@ def stay_inside(physics, kin, q, b, moved_q, moved_b):
 
 
 @inlined
-def wall_energy(physics, kin, q, b):
+def energy(physics, kin, q, b, psi):
     """Return the integral of v over the wetted part, K0/D."""
     total = 0.0
     for i in range(kin.node_a, kin.node_b + 1):
@@ -98,7 +98,7 @@ def wall_energy(physics, kin, q, b):
 
 
 @inlined
-def add_wall_gradient(physics, kin, q, b, grad):
+def add_gradient(physics, kin, q, b, psi, tension, grad):
     """Add the wall's push on the nodes, and its energy by the menisci's places."""
     twice = 2 * (b[S_B] - b[S_A])
     mean = 0.0
@@ -115,8 +115,8 @@ def add_wall_gradient(physics, kin, q, b, grad):
 
 
 @inlined
-def add_wall_hessian(physics, kin, q, b, hess):
-    """Add the wall's second derivatives; those by x_C follow in ``assembly`` from the nodes'."""
+def add_hessian(physics, kin, q, b, psi, tension, hess):
+    """Add the wall's second derivatives; those by x_C follow in ``rod.band`` from the nodes'."""
     d = len(physics.axis)
     wetted = b[S_B] - b[S_A]
     for i in range(kin.node_a, kin.node_b + 1):

@@ -1,17 +1,10 @@
-"""How a state is laid out in arrays, and the constants a kernel needs.
+"""The arrays kernels work in, made once a mesh.
 
-State
-    ``q``, shape (N+1, d+1): row i is node i's position x_i (d numbers, D) followed by the tension
-    (K0/D^2) of the edge that ends there, lambda_i. Row 0 is the start clamp, with no tension.
-    ``b``, shape (d+5,): s_A, s_B, x_C (d), f_A, f_B and the slide force eta.
-    d = 3, or 2 where the scene is planar; the clamp axis is the last coordinate.
-
-Edge form
-    Terms that depend on edges are differentiated by edges and turned into node form once, in
-    ``assembly``. Edge e runs from node e-1 to node e and its tension is q[e, d], e = 1 ... N. The
-    clamps' tangents stand in for the edges 0 and N+1, of rest length 0; vertex i joins the edges i and
-    i+1. Arrays "by edge" have N+2 entries, "by vertex" N+1. What the gradient reads has a row for every
-    component, and its loops fill one array each, so that they run on several edges at once.
+Terms that depend on edges are differentiated by edges and turned into node form once, in ``assembly``.
+Edge e runs from node e-1 to node e and its tension is q[e, d], e = 1 ... N. The clamps' tangents stand in
+for the edges 0 and N+1, of rest length 0; vertex i joins the edges i and i+1. Arrays "by edge" have N+2
+entries, "by vertex" N+1. What the gradient reads has a row for every component, and its loops fill one
+array each, so that they run on several edges at once.
 """
 
 from __future__ import annotations
@@ -20,19 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-S_A, S_B, X_C = 0, 1, 2  # places in ``b``; f_A, f_B, eta follow the d numbers of x_C
-
-
-class Physics(NamedTuple):
-    """Dimensionless constants of a scene (eq:adim), with K0 = 1."""
-
-    axis: tuple[float, ...]  # clamp tangent e_z; its length is the dimension d
-    twisting: float  # k3
-    capillary_force: float  # f_gamma
-    wall_strength: float  # v0
-    wall_softness: float  # rho
-    length: float  # l
-    drop: bool  # whether there is one; without, b is idle
+from derod.rod.unknowns import BORDER, border_count, half_width
 
 
 class Mesh(NamedTuple):
@@ -85,7 +66,7 @@ class Gradient(NamedTuple):
     dual: np.ndarray  # (N+1,) by l_i + l_{i+1}
     constraint: np.ndarray  # (N+2,) by lambda: the stretch constraint g
     pull: np.ndarray  # (N+2,) force along the edge
-    border: np.ndarray  # (d+5,) by b
+    border: np.ndarray  # (BORDER+d,) by b
     holonomy: np.ndarray  # (d, N+2) of psi by e
     by_edge: np.ndarray  # (N+2,) room
     by_vertex: np.ndarray  # (N+1,) room
@@ -104,10 +85,30 @@ class Hessian(NamedTuple):
     edge_menisci: np.ndarray  # (2, N+2, d) by e and s_A, s_B
     node_menisci: np.ndarray  # (2, N+1, d) by x_i and s_A, s_B, what is not in ``edge_menisci``
     constraint_menisci: np.ndarray  # (2, N+2) of g by s_A, s_B
-    border: np.ndarray  # (d+5, d+5) by b b
+    border: np.ndarray  # (BORDER+d, BORDER+d) by b b
 
 
-def new_kinematics(mesh: Mesh, physics: Physics) -> Kinematics:
+class Linear(NamedTuple):
+    """A bordered band matrix [[K, B], [B^T, C]]; row-major lower diagonals of K, padded below."""
+
+    band: np.ndarray  # ((d+1)N + w, w+1), band[j, k] = K[j+k, j]
+    border: np.ndarray  # ((d+1)N + w, m)
+    corner: np.ndarray  # (m, m)
+
+
+class Room(NamedTuple):
+    """Arrays the assembly works in, made once a mesh."""
+
+    kin: Kinematics
+    grad: Gradient
+    hess: Hessian
+    tension: np.ndarray  # (N+2,) by edge
+    r: np.ndarray  # (N+1, d+1) residual by q
+    rb: np.ndarray  # (d+5,) residual by b
+    linear: Linear
+
+
+def new_kinematics(mesh: Mesh, physics) -> Kinematics:
     """Return room for the kinematics of a mesh, the clamps' tangents filled in.
 
     Without a drop the menisci's nodes span an empty range.
@@ -152,7 +153,7 @@ def new_gradient(edges: int, d: int) -> Gradient:
         dual=np.zeros(n - 1),
         constraint=np.zeros(n),
         pull=np.zeros(n),
-        border=np.zeros(d + 5),
+        border=np.zeros(BORDER + d),
         holonomy=np.zeros((d, n)),
         by_edge=np.zeros(n),
         by_vertex=np.zeros(n - 1),
@@ -173,5 +174,26 @@ def new_hessian(edges: int, d: int) -> Hessian:
         np.zeros((2, n, d)),
         np.zeros((2, edges + 1, d)),
         np.zeros((2, n)),
-        np.zeros((d + 5, d + 5)),
+        np.zeros((BORDER + d, BORDER + d)),
+    )
+
+
+def new_linear(edges: int, d: int) -> Linear:
+    """Return room for a bordered band matrix."""
+    w, m = half_width(d), border_count(d)
+    rows = (d + 1) * edges + w
+    return Linear(np.zeros((rows, w + 1)), np.zeros((rows, m)), np.zeros((m, m)))
+
+
+def new_room(mesh: Mesh, physics) -> Room:
+    """Return room for assembling a mesh."""
+    edges, d = mesh.edges, len(physics.axis)
+    return Room(
+        new_kinematics(mesh, physics),
+        new_gradient(edges, d),
+        new_hessian(edges, d),
+        np.zeros(edges + 2),
+        np.zeros((edges + 1, d + 1)),
+        np.zeros(BORDER + d),
+        new_linear(edges, d),
     )

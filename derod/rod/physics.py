@@ -1,0 +1,36 @@
+"""The constants of a scene that kernels read: one field a constant of a term.
+
+``Physics`` is a named tuple in units of K and D:
+
+    axis      clamp tangent e_z; its length is the dimension d
+    length    l
+    drop      whether there is one; without, b is idle
+    slides    whether the end clamp slides along the axis under a dead load (``terms.load``)
+    ...       the terms' constants: k3 and R, f_gamma, v0 and rho, W, T
+
+A state carries its own, since a control changes one of them along a push.
+"""
+
+from __future__ import annotations
+
+import collections
+from typing import Any
+
+from derod.rod.terms import TERMS
+from derod.scene import Scene
+
+AXES = {2: (0.0, 1.0), 3: (0.0, 0.0, 1.0)}
+CONSTANTS = {name: make for term in TERMS for name, make in term.constants.items()}
+
+FIELDS = ("axis", "length", "drop", "slides", *CONSTANTS)
+named: Any = collections.namedtuple  # fields that are known at run time only
+Physics = named("Physics", FIELDS)
+
+
+def physics_of(scene: Scene) -> Any:
+    """Return the constants of a scene."""
+    made = {name: float(make(scene)) for name, make in CONSTANTS.items()}
+    slides = scene.clamps.end_tension is not None
+    return Physics(
+        AXES[scene.model.dimension], float(scene.rod.length), scene.drop is not None, slides, **made
+    )

@@ -1,0 +1,65 @@
+"""The way of a push: its legs, each with a control, a goal and landings."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from derod.scene.controls import held_value
+from derod.scene.tables import Scene
+
+SHORTENING, TENSION = "end_shortening", "end_tension"
+
+
+@dataclass(frozen=True, slots=True)
+class Leg:
+    """One stretch of a push, from where the one before ended."""
+
+    control: str
+    stop: float
+    at: tuple[float, ...]
+    max_step: float
+    slides: bool
+    """Whether the end clamp slides under a dead load meanwhile."""
+    key: str
+    """In the file, for messages."""
+
+
+def legs(scene: Scene) -> tuple[Leg, ...]:
+    """The legs of ``push.stop``, then those of ``[[steps]]``; on every one of them it may land."""
+    push = scene.push
+    slides = scene.clamps.end_tension is not None or push.control == TENSION
+    made = []
+    for i, stop in enumerate(push.stop):
+        key = f"push.stop[{i}]" if len(push.stop) > 1 else "push.stop"
+        made.append(Leg(push.control, stop, push.at, push.max_step, slides, key))
+    for n, step in enumerate(scene.steps):
+        slides = step.control != SHORTENING and (slides or step.control == TENSION)
+        for i, stop in enumerate(step.stop):
+            key = f"steps[{n}].stop" + (f"[{i}]" if len(step.stop) > 1 else "")
+            made.append(Leg(step.control, stop, step.at, step.max_step, slides, key))
+    return tuple(made)
+
+
+def slides_at_start(scene: Scene) -> bool:
+    """Whether the first state's end slides under a dead load."""
+    return scene.clamps.end_tension is not None or scene.push.control == TENSION
+
+
+def start_value(scene: Scene, control: str) -> float | None:
+    """A control's value in the first state, None where nothing tells: then it is what comes out."""
+    if control == scene.push.control:
+        return scene.push.start
+    if control == SHORTENING and slides_at_start(scene):
+        return None
+    return held_value(scene, control)
+
+
+def ways(scene: Scene) -> list[tuple[float, float]]:
+    """From where to where each leg goes; where a control was free before, from its goal."""
+    values = {scene.push.control: scene.push.start}
+    out = []
+    for leg in legs(scene):
+        begin = values.get(leg.control, held_value(scene, leg.control))
+        out.append((leg.stop if begin is None else begin, leg.stop))
+        values[leg.control] = leg.stop
+    return out
