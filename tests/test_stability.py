@@ -61,7 +61,7 @@ def eigenvalues_on_the_constraints(system: System, state: State) -> np.ndarray:
     matrix[:moment, :moment] -= (
         np.outer(matrix[:moment, moment], matrix[moment, :moment]) / matrix[moment, moment]
     )
-    weight, border = inertia(system)
+    weight, border = inertia(system, state)
     metric = np.concatenate([weight.ravel(), border])
     moves = np.flatnonzero(metric > 0)
     multipliers = [(d + 1) * e + d for e in range(n)] + [rows + 2 + d + k for k in range(3)]

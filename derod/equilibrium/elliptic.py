@@ -27,7 +27,7 @@ class Elliptic:
         self.system, self.state, self.tolerance = system, state, tolerance
         self.motion = accelerated.new_motion(system.edges, system.dimension)
         sound = system.gradient(state) and system.wall_gap(state) > 0
-        _, residual = system.excess(tolerance)
+        _, residual = system.excess(state, tolerance)
         unknown = math.inf  # what is left in soft modes shows in the first step's solution
         return Report(0, unknown, residual, alive=True, sound=sound)
 

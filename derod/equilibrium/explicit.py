@@ -41,7 +41,7 @@ class Explicit:
         masses.fill_penalties(system.room.kin, self.inertia)
         stiffest = float(self.inertia.penalty.max())
         self.tolerance = max(tolerance, ROUNDING * EPS * system.physics.length * stiffest)
-        report = Report(0, *system.excess(self.tolerance), alive=True, sound=sound)
+        report = Report(0, *system.excess(state, self.tolerance), alive=True, sound=sound)
         self.motion = explicit.new_motion(system.edges, d)
         self.motion.tension[:] = state.q[:, d]
         self.motion.force[:] = state.b[F_A + d : ETA + d]

@@ -68,7 +68,7 @@ def lowest_mode(
         else:
             high = middle
     system.linearise(state, high)
-    weight, border_weight = inertia(system)
+    weight, border_weight = inertia(system, state)
     mode, border = start[1:].copy(), np.zeros_like(border_weight)
     value = np.nan
     for _ in range(SWEEPS):
@@ -86,7 +86,7 @@ def lowest_mode(
     return float(value), mode_q, mode_b
 
 
-def inertia(system: System) -> tuple[np.ndarray, np.ndarray]:
+def inertia(system: System, state: State) -> tuple[np.ndarray, np.ndarray]:
     """Return the metric of displacements: the nodes' dual lengths, and 1 for the drop and the menisci.
 
     Shaped like the rows of q and the border; zero for multipliers and what is clamped.
@@ -94,7 +94,7 @@ def inertia(system: System) -> tuple[np.ndarray, np.ndarray]:
     rest = system.room.kin.rest
     weight = np.zeros((system.edges, system.dimension + 1))
     weight[:-1, :-1] = 0.5 * (rest[1:-2] + rest[2:-1])[:, None]
-    if system.physics.slides:
+    if state.physics.slides:
         weight[-1, -2] = 0.5 * rest[-2]
     border = np.zeros_like(system.factor.rhs_border)
     border[: F_A + system.dimension] = 1.0

@@ -74,10 +74,13 @@ class System:
         column[-1, self.dimension - 1] = 0.0
         return column, self.factor.rhs_border.copy()
 
-    def excess(self, tolerance: float) -> tuple[float, float]:
-        """Return how far the residual last taken is above its tolerance, and its largest force."""
+    def excess(self, state: State, tolerance: float) -> tuple[float, float]:
+        """Return how far the residual last taken is above its tolerance, and its largest force.
+
+        ``state`` is the one it was taken at.
+        """
         room = self.room
-        return excess(self.physics, room.r, room.rb, room.kin, tolerance)
+        return excess(state.physics, room.r, room.rb, room.kin, tolerance)
 
     def trouble(self, state: State) -> str:
         """Return where a state that is not sound went wrong."""

@@ -85,7 +85,7 @@ def tangled_starts() -> Trial:
         if solution.converged:
             unstable = analyse(system, solution.state).unstable_modes
             system.gradient(solution.state)
-            wrong += unstable != 0 or system.excess(system.tolerance)[0] > 1
+            wrong += unstable != 0 or system.excess(state, system.tolerance)[0] > 1
         else:
             wrong += not solution.message
     remark = ", ".join(f"{count} {name}" for name, count in ends.items())

@@ -225,4 +225,4 @@ def test_says_when_it_ran_out_of_steps() -> None:
     assert solution.outcome is Outcome.MAX_ITERATIONS
     assert solution.iterations == 7
     system.gradient(solution.state)
-    assert system.excess(relaxer.finest)[1] == pytest.approx(solution.residual, rel=1e-12)
+    assert system.excess(solution.state, relaxer.finest)[1] == pytest.approx(solution.residual, rel=1e-12)
