@@ -19,8 +19,8 @@ import numpy as np
 from bench.stepping import disturbed, explicit_step
 
 import derod
-from derod.equilibrium.methods import make_relaxer
 from derod.equilibrium.loop import relax
+from derod.equilibrium.methods import make_relaxer
 from derod.equilibrium.system import System
 from derod.push.driver import frame_of
 from derod.push.encode import decode
@@ -61,7 +61,7 @@ def implicit_states(edges: int, stops: tuple[float, ...]) -> tuple[System, list[
 def energy_and_tension(system: System, state: State) -> tuple[float, float]:
     """Return E_hat and t."""
     system.gradient(state)
-    return system.energy_hat(state), system.end_tension()
+    return system.energy_hat(state), system.end_tension(state)
 
 
 def agreement(edges: int) -> Iterator[Row]:

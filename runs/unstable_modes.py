@@ -34,10 +34,11 @@ from derod.branches.parameters import Parameters
 from derod.branches.record import StoredBranch, open_branches, write_branches
 from derod.branches.stability import stability
 from derod.branches.state import HalfRod
-from derod.equilibrium.methods import make_relaxer
 from derod.equilibrium.loop import relax
-from derod.equilibrium.stability import analyse
+from derod.equilibrium.measured import measure
+from derod.equilibrium.methods import make_relaxer
 from derod.equilibrium.system import System
+from derod.push.controls import CONTROLS
 from derod.rod.state import State
 from derod.scene import Scene, load_scene
 
@@ -67,11 +68,17 @@ def on_the_mesh(system: System, half: HalfRod) -> State:
     force /= float(y[:3] @ tangent)
     centre = (0.0, y_c, 0.5 * (length - half.end_shortening))
     b = np.array([0.5 * length - half.sigma, 0.5 * length + half.sigma, *centre, force, force, 0.0])
-    state = State(q, b, prm.end_rotation - length * float(half.scalars[2]), half.end_shortening)
+    state = State(
+        q,
+        b,
+        prm.end_rotation - length * float(half.scalars[2]),
+        half.end_shortening,
+        system.physics,
+    )
     s = system.arc_length(state)
     q[:, :3] = center_line(half, s)
     q[1:, 3] = tensions(half, 0.5 * (s[1:] + s[:-1]))
-    state.clamp_at(half.end_shortening, length)
+    state.clamp_at(half.end_shortening)
     q[0, :3] = 0.0
     return state
 
@@ -108,7 +115,7 @@ def hold(scene: Scene, branch: StoredBranch, every: int, verbose: bool) -> tuple
             lost += 1
             print(f"  {where}: {solution.message}")
             continue
-        found = analyse(system, solution.state)
+        found = measure(system, solution.state, CONTROLS["end_shortening"])
         energy = system.energy_hat(solution.state)
         apart = abs(energy - row["energy_hat"]) / max(1.0, abs(row["energy_hat"]))
         if apart > SAME_STATE:

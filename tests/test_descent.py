@@ -7,9 +7,10 @@ import pytest
 
 import derod
 from derod.equilibrium.loop import Outcome, Report, relax
+from derod.equilibrium.measured import measure
 from derod.equilibrium.methods import make_relaxer
-from derod.equilibrium.stability import analyse
 from derod.equilibrium.system import System
+from derod.push.controls import CONTROLS
 from derod.push.descent import Descender, Descent, Noise
 from derod.push.driver import frame_of
 from derod.push.encode import decode
@@ -88,7 +89,7 @@ def test_a_descent_from_a_wrong_length_is_put_onto_its_constraints_first() -> No
 def test_newton_stays_where_the_branch_was_predicted() -> None:
     """Without descent, an equilibrium farther than a prediction may be off is not taken."""
     system, far = pushed(coil(edges=60, stop='"0.05 pi"'))
-    far.clamp_at(0.15 * np.pi, system.physics.length)
+    far.clamp_at(0.15 * np.pi)
     solution = relax(make_relaxer("implicit"), system, far)
     assert not solution.converged
     _, near = pushed(coil(edges=60, stop='"0.15 pi"'))
@@ -98,7 +99,7 @@ def test_newton_stays_where_the_branch_was_predicted() -> None:
 def unstable_planar() -> tuple[System, State]:
     """The planar rod past its pitchfork, in space: without noise it stays there."""
     system, state = pushed(coil(edges=60, noise=0.0))
-    assert analyse(system, state).unstable_modes == 1
+    assert measure(system, state, CONTROLS["end_shortening"]).unstable_modes == 1
     return system, state
 
 
@@ -108,9 +109,9 @@ def descent_with_noise(system: System, start: State, seed: int) -> Descent:
     def down(state: State):
         return relax(relaxer, system, state, descend=True, kick=1e-3)
 
-    return Descender(system, down, lambda s: analyse(system, s), Noise(seed, 0, 1e-3)).descend(
-        start
-    )
+    return Descender(
+        system, down, lambda s: measure(system, s, CONTROLS["end_shortening"]), Noise(seed, 0, 1e-3)
+    ).descend(start)
 
 
 def test_a_saddle_is_left_as_soon_as_it_is_seen() -> None:

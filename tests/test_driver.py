@@ -9,8 +9,8 @@ import pytest
 
 import derod
 from derod.errors import SceneError
-from derod.push.driver import next_target
 from derod.push.frames import Outcome
+from derod.push.stride import Stride
 from derod.record import BaseRun
 from tests.scenes import coil
 
@@ -160,10 +160,15 @@ def test_units_do_not_matter(unit: float) -> None:
 
 
 def test_targets_never_leave_a_sliver() -> None:
-    assert next_target(0.0, 1.0, 2.0) == 1.0
-    assert next_target(0.0, 1.0, 0.6) == 0.5
-    assert next_target(0.0, 1.0, 0.2) == 0.2
-    assert next_target(1.0, 0.0, 0.2) == 0.8
+    stride = Stride(2.0, 2.0)
+    for length, here, goal, target in (
+        (2.0, 0.0, 1.0, 1.0),
+        (0.6, 0.0, 1.0, 0.5),
+        (0.2, 0.0, 1.0, 0.2),
+        (0.2, 1.0, 0.0, 0.8),
+    ):
+        stride.length = length
+        assert stride.target(here, goal) == target
 
 
 def test_landings_already_passed_are_refused_on_resume(tmp_path: Path) -> None:

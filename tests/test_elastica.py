@@ -8,10 +8,11 @@ from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
 import derod
-from derod.equilibrium.methods import make_relaxer
 from derod.equilibrium.loop import relax
-from derod.equilibrium.stability import analyse
+from derod.equilibrium.measured import measure
+from derod.equilibrium.methods import make_relaxer
 from derod.equilibrium.system import System
+from derod.push.controls import CONTROLS
 from derod.push.guess import bent_guess
 
 SCENE = """
@@ -42,11 +43,13 @@ def relaxed(
     """Load and mid-height of the discrete rod."""
     scene = derod.parse_scene(SCENE.format(edges=edges, dimension=dimension, bending=bending))
     system = System(scene)
-    solution = relax(make_relaxer("implicit"), system, bent_guess(system, shortening))
+    solution = relax(
+        make_relaxer("implicit"), system, bent_guess(system, system.physics, shortening)
+    )
     assert solution.converged, solution.message
-    assert analyse(system, solution.state).unstable_modes == 0
+    assert measure(system, solution.state, CONTROLS["end_shortening"]).unstable_modes == 0
     system.gradient(solution.state)
-    return -system.end_tension(), abs(solution.state.positions[:, 1]).max()
+    return -system.end_tension(solution.state), abs(solution.state.positions[:, 1]).max()
 
 
 def test_closed_form_itself() -> None:

@@ -10,29 +10,35 @@ import numpy as np
 import pytest
 
 import derod
-from derod.equilibrium.stability import Equilibrium
-from derod.equilibrium.system import Energies
-from derod.push import driver
+from derod.equilibrium.energies import Energies
+from derod.equilibrium.measured import Measured
+from derod.equilibrium.reactions import Reactions
+from derod.push import increments
 from derod.push.frames import Outcome
 from derod.push.ledger import Verdict, compare
+from derod.rod.physics import constants
+from derod.rod.state import State
 from tests.scenes import coil
 
 
-def on_a_branch(delta: float, holonomy: float = 0.0, energy: float = 0.0) -> Equilibrium:
+def on_a_branch(delta: float, holonomy: float = 0.0, energy: float = 0.0) -> Measured:
     """A state of a rod with t = 5 + sin(delta), E_tot = cos(delta) - 5 delta + energy."""
-    return Equilibrium(
-        end_shortening=delta,
-        holonomy=holonomy,
-        energies=Energies(0.0, 0.0, 0.0, 0.0),
-        energy=math.cos(delta) - 5 * delta + energy,
-        tension=5 + math.sin(delta),
+    nothing = np.zeros(3)
+    return Measured(
+        state=State(np.zeros((3, 4)), np.zeros(8), holonomy, delta, constants(3, 10.0, drop=True)),
+        arc_length=np.zeros(3),
+        energies=Energies({"bend": math.cos(delta) - 5 * delta + energy}),
+        reactions=Reactions(nothing, nothing, nothing, nothing, 0.0),
         settled=True,
+        residual=0.0,
         turning=0.1,
         wall_gap=0.1,
         unstable_modes=0,
         slope_q=np.zeros((2, 4)),
         slope_b=np.zeros(8),
-        stiffness=math.cos(delta),
+        control_value=delta,
+        conjugate=-5 - math.sin(delta),
+        stiffness=-math.cos(delta),
         sliding_stiffness=math.inf,
         clamp_moment=0.0,
     )
@@ -63,11 +69,11 @@ def test_gains_losses_and_jumps_are_told_apart(h: float) -> None:
 def test_a_corner_balances() -> None:
     """At a pitchfork t has a corner between the two states."""
     a, b, corner = on_a_branch(0.0), on_a_branch(0.1), 0.06
-    t = a.tension + 3 * corner - 4 * (0.1 - corner)
-    work = -(a.tension + 1.5 * corner) * corner
-    work -= (a.tension + 3 * corner - 2 * (0.1 - corner)) * (0.1 - corner)
-    a = replace(a, stiffness=3.0)
-    b = replace(b, tension=t, stiffness=-4.0, energy=a.energy + work)
+    t = -a.conjugate + 3 * corner - 4 * (0.1 - corner)
+    work = -(1.5 * corner - a.conjugate) * corner
+    work -= (-a.conjugate + 3 * corner - 2 * (0.1 - corner)) * (0.1 - corner)
+    a = replace(a, stiffness=-3.0)
+    b = replace(b, conjugate=-t, stiffness=4.0, energies=Energies({"bend": a.energy + work}))
     assert compare(a, b).verdict is Verdict.BALANCED
 
 
@@ -86,15 +92,15 @@ def test_the_push_records_its_balance() -> None:
 @pytest.mark.parametrize("method", ["follow", "all"])
 def test_a_state_that_gains_energy_is_never_recorded(method: str) -> None:
     """With energies lifted from some increment on, the push refuses to go there, and says why."""
-    real = driver.analyse
+    real = increments.measure
 
-    def lifted(system, state, tolerance=None):
-        here = real(system, state, tolerance)
+    def lifted(system, state, control, tolerance=None):
+        here = real(system, state, control, tolerance)
         if state.end_shortening > 0.1 * np.pi:
-            here.energy += 1.0
+            here.energies = Energies({**here.energies.parts, "lift": 1.0})
         return here
 
-    with patch.object(driver, "analyse", lifted):
+    with patch.object(increments, "measure", lifted):
         run = derod.push(coil(stop='"0.15 pi"'))
     assert run.ending is not None and run.ending.outcome is Outcome.OUT_OF_BALANCE
     assert "gained" in run.ending.message

@@ -106,7 +106,7 @@ def test_descents_are_watched() -> None:
     assert watch.steps > 5 and watch.uphill == 0
     system = System(coil())
     watch.start(coil(), 0)
-    state = bent_guess(system, 0.1)
+    state = bent_guess(system, system.physics, 0.1)
     report = Report(1, 1.0, 1.0, True, True, descending=True)
     watch.relaxation(0, 0, state, report)
     state.b[:2] += (0.1, -0.1)  # less wetted, for more energy

@@ -16,6 +16,7 @@ import contextlib
 import hashlib
 import os
 import platform
+import re
 import shutil
 import stat
 import sys
@@ -28,6 +29,9 @@ KEEP = 6
 VARIABLE = "NUMBA_CACHE_DIR"
 OURS = "DEROD_NUMBA_CACHE_DIR"  # tells a folder that we chose, inherited, from one the user chose
 PACKAGE = Path(__file__).parents[1]
+USES_JIT = re.compile(rb"^from (?:numba|derod\.algebra\.jit) import|^import numba", re.MULTILINE)
+NO_KERNELS = ("scene",)
+IMPORTS = re.compile(rb"^from (derod[\w.]*) import (\([^)]*\)|.*)", re.MULTILINE)
 
 
 def point_numba_at_own_cache() -> None:
@@ -46,18 +50,30 @@ def point_numba_at_own_cache() -> None:
 
 
 def source_hash(package: Path) -> str:
-    """Hash of all sources in folders that hold kernels, and of the versions that compile them.
-
-    Whole folders, because constants that kernels use may lie in a module without any.
-    """
-    contents = {path: path.read_bytes() for path in sorted(package.rglob("*.py"))}
-    kernels = {path.parent for path, text in contents.items() if b"jit" in text}
+    """Hash of all sources that kernels are made of, and of the versions that compile them."""
     digest = hashlib.sha256(f"{metadata.version('numba')} {platform.python_version()}".encode())
-    for path, text in contents.items():
-        if path.parent in kernels and path != Path(__file__):
-            digest.update(f"\0{path.relative_to(package)}\0{len(text)}\0".encode())
-            digest.update(text)
+    for path, text in sorted(kernel_sources(package).items()):
+        digest.update(f"\0{path.relative_to(package)}\0{len(text)}\0".encode())
+        digest.update(text)
     return digest.hexdigest()[:16]
+
+
+def kernel_sources(package: Path) -> dict[Path, bytes]:
+    """The modules that hold kernels, and those that they import: constants may lie there."""
+    contents = {path: path.read_bytes() for path in package.rglob("*.py")}
+    left = [path for path, text in contents.items() if USES_JIT.search(text)]
+    found: dict[Path, bytes] = {}
+    while left:
+        path = left.pop()
+        if path in found or path not in contents or path.parent.name in NO_KERNELS:
+            continue
+        found[path] = contents[path]
+        for home, names in IMPORTS.findall(contents[path]):
+            folder = package.joinpath(*home.decode().split(".")[1:])
+            left.append(folder.with_suffix(".py"))
+            left += [folder / f"{name.decode()}.py" for name in re.findall(rb"\w+", names)]
+    found.pop(Path(__file__), None)
+    return found
 
 
 def _made_folder(name: str) -> Path:

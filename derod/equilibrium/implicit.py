@@ -37,7 +37,9 @@ class Implicit:
         if sound and descend:
             sound = system.project(state)
         self.work = new_work(state.q, state.b)
-        return Report(0, *system.excess(state, tolerance), alive=True, sound=sound, descending=descend)
+        return Report(
+            0, *system.excess(state, tolerance), alive=True, sound=sound, descending=descend
+        )
 
     def advance(self) -> Report:
         """Take one step."""

@@ -74,9 +74,7 @@ def measure(
     its factor, one sum of energies.
     """
     count = system.linearise(state)
-    excess, residual = system.excess(
-        state, system.tolerance if tolerance is None else tolerance
-    )
+    excess, residual = system.excess(state, system.tolerance if tolerance is None else tolerance)
     turning = system.largest_turning()
     held = reactions(system, state)
     sliding, moment = sliding_stiffness(system), clamp_moment(system)

@@ -100,6 +100,15 @@ class System:
             )
         )
 
+    def energy_hat(self, state: State) -> float:
+        """Return E_hat = E_tot + f_gamma (delta + 1)."""
+        shift = state.physics.capillary_force * (state.end_shortening + 1)
+        return self.energies(state).total + float(shift)
+
+    def end_tension(self, state: State) -> float:
+        """Return t, the axial force on the end clamp, at the state whose gradient was taken last."""
+        return float(self.room.r[-1, self.dimension - 1] + state.physics.end_tension)
+
     def largest_turning(self) -> float:
         """Return the largest turning angle at a node, radians, from the state last measured."""
         return math.acos(1 - float(self.room.kin.fall.max()))

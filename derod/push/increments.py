@@ -99,6 +99,7 @@ class Increments:
             self.check_outer_rod(descent, target)
             self.shorten(here, target, descent.solution.outcome, descent.solution.message)
             return None
+        self.check_outer_rod(descent, target)
         assert descent.here is not None
         entry = compare(here, descent.here, along=False)
         if entry.verdict is Verdict.LOST:
@@ -131,6 +132,7 @@ class Increments:
                 f"{here.unstable_modes} unstable modes at {self.place(here.control_value)} could not be "
                 f"left by {len(descent.kicks)} kicks: {descent.solution.message}",
             )
+        self.check_outer_rod(descent, here.control_value)
         there = descent.here
         entry = compare(here, there, along=False)
         if entry.verdict is Verdict.GAINED:

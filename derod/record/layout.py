@@ -9,7 +9,7 @@
     /particles/rod/arc_length/  step, time, value (T, N+1)
     /particles/rod/edge_tension/ step, time, value (T, N)
     /particles/drop/position/   step, time, value (T, 1, 3)
-    /observables/push/          step, time, value (T) of frames.ROW
+    /observables/push/          step, time, value (T) of columns.ROW
     /events                     (E) of EVENT_TYPE
     /ending                     (1) of ENDING_TYPE, outcome "" while the push goes on
     /committed                  (2) frames and events that are whole: written last
@@ -27,7 +27,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from derod.push.columns import ROW
+from derod.push.columns import COLUMNS, ROW
 
 FORMAT = 2
 """Version of this layout; readers refuse a newer one."""
@@ -87,33 +87,10 @@ OLDEST_COLUMNS = {
     "next_step": "f8",
     "wall_time": "f8",
 }
-"""Columns that every run file has; those that ``frames.ROW`` has beyond them may be missing."""
+"""Columns that every run file has; those that ``columns.ROW`` has beyond them may be missing."""
 
-ROW_UNITS = {
-    "end_shortening": "D",
-    "end_rotation": "rad",
-    "end_tension": "K0 D-2",
-    "energy_hat": "K0 D-1",
-    "energy_total": "K0 D-1",
-    "energy_bend": "K0 D-1",
-    "energy_twist": "K0 D-1",
-    "energy_wall": "K0 D-1",
-    "energy_capillary": "K0 D-1",
-    "wetted_length": "D",
-    "meniscus_a": "D",
-    "meniscus_b": "D",
-    "force_a": "K0 D-2",
-    "force_b": "K0 D-2",
-    "holonomy": "rad",
-    "slide_force": "K0 D-2",
-    "wall_gap": "D",
-    "residual": "K0 D-2",
-    "work_defect": "K0 D-1",
-    "turning_angle": "rad",
-    "next_step": "D",
-    "wall_time": "s",
-}
-"""Units of the fields of a row; those not named are counts and flags."""
+ROW_UNITS = {column.name: column.unit for column in COLUMNS if column.unit}
+"""Units of the fields of a row; those not named are counts and flags, or count in the control's."""
 
 ROWS_PER_CHUNK = 32
 
@@ -145,7 +122,7 @@ def with_check(dtype: np.dtype) -> np.dtype:
 
 
 def as_rows(stored: np.ndarray) -> np.ndarray:
-    """Stored rows as rows of ``frames.ROW``; numbers of columns they lack are NaN, others zero."""
+    """Stored rows as rows of ``columns.ROW``; numbers of columns they lack are NaN, others zero."""
     if stored.dtype == ROW:
         return stored
     rows = np.zeros(stored.shape, ROW)
@@ -158,7 +135,7 @@ def as_rows(stored: np.ndarray) -> np.ndarray:
 
 
 def has_our_columns(dtype: np.dtype) -> bool:
-    """Whether stored rows have the columns of ``frames.ROW`` and no others."""
+    """Whether stored rows have the columns of ``columns.ROW`` and no others."""
     return tuple(name for name in dtype.names or () if name != CHECK) == ROW.names
 
 

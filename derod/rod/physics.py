@@ -31,6 +31,14 @@ def physics_of(scene: Scene) -> Any:
     """Return the constants of a scene."""
     made = {name: float(make(scene)) for name, make in CONSTANTS.items()}
     slides = scene.clamps.end_tension is not None
-    return Physics(
-        AXES[scene.model.dimension], float(scene.rod.length), scene.drop is not None, slides, **made
+    return constants(
+        scene.model.dimension, scene.rod.length, drop=scene.drop is not None, slides=slides, **made
     )
+
+
+def constants(
+    dimension: int, length: float, *, drop: bool, slides: bool = False, **terms: float
+) -> Any:
+    """Return constants by name; those of terms that are not given are 0."""
+    given = dict.fromkeys(CONSTANTS, 0.0) | terms
+    return Physics(AXES[dimension], float(length), drop, slides, **given)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 from derod.errors import SceneError
@@ -33,6 +34,7 @@ def planned(scene: Scene) -> Plan:
         sum(
             abs(stop - begin) / leg.max_step
             for (begin, stop), leg in zip(ways(scene), legs(scene), strict=True)
+            if not math.isnan(begin)
         )
     )
     edges = scene.mesh.edges

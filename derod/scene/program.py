@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from derod.scene.controls import held_value
@@ -55,11 +56,18 @@ def start_value(scene: Scene, control: str) -> float | None:
 
 
 def ways(scene: Scene) -> list[tuple[float, float]]:
-    """From where to where each leg goes; where a control was free before, from its goal."""
-    values = {scene.push.control: scene.push.start}
+    """From where to where each leg goes; from nan where a control was free before."""
+    values: dict[str, float] = {scene.push.control: scene.push.start}
+    slides = slides_at_start(scene)
     out = []
     for leg in legs(scene):
-        begin = values.get(leg.control, held_value(scene, leg.control))
-        out.append((leg.stop if begin is None else begin, leg.stop))
+        if leg.slides != slides:  # the end is released, or clamped where it happens to be
+            values.pop(TENSION if leg.slides else SHORTENING, None)
+            slides = leg.slides
+        held = held_value(scene, leg.control)
+        begin = values.get(leg.control, math.nan if held is None else held)
+        if leg.slides:
+            values.pop(SHORTENING, None)
+        out.append((begin, leg.stop))
         values[leg.control] = leg.stop
     return out

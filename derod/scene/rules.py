@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
@@ -251,7 +252,7 @@ def _check_legs(scene: Scene) -> None:
             _fail(scene, key, value, "is a push past what the rod can give", within)
     _check_turns(scene, [scene.push.start, *scene.push.stop])
     for (begin, stop), leg in zip(ways(scene), legs(scene), strict=True):
-        least = LEAST_STEP * max(1.0, abs(begin), abs(stop))
+        least = LEAST_STEP * max(1.0, abs(stop), 0.0 if math.isnan(begin) else abs(begin))
         if leg.max_step < least:
             key = leg.key.partition(".stop")[0] + ".max_step"
             _fail(scene, key, leg.max_step, "is lost in rounding", f"{least:.3g} and above")
@@ -266,7 +267,9 @@ def _check_landings(scene: Scene) -> None:
         stops = [way for way, leg in zip(ways(scene), legs(scene), strict=True)
                  if leg.key.startswith(f"{key}.")]  # fmt: skip
         values = [value for way in stops for value in way]
-        _check_each(scene, f"{key}.at", step.at, min(values), max(values))
+        unknown = any(math.isnan(value) for value in values)
+        low, high = (-math.inf, math.inf) if unknown else (min(values), max(values))
+        _check_each(scene, f"{key}.at", step.at, low, high)
 
 
 def _check_each(

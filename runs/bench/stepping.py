@@ -7,8 +7,8 @@ import time
 import numpy as np
 
 import derod
-from derod.equilibrium.methods import make_relaxer
 from derod.equilibrium.loop import relax
+from derod.equilibrium.methods import make_relaxer
 from derod.equilibrium.system import System
 from derod.push.driver import frame_of
 from derod.push.encode import decode

@@ -13,12 +13,13 @@ from scipy.interpolate import CubicSpline
 
 import derod
 from derod.branches.record import open_branches
-from derod.equilibrium.methods import make_relaxer
 from derod.equilibrium.loop import relax
-from derod.equilibrium.stability import analyse
+from derod.equilibrium.measured import measure
+from derod.equilibrium.methods import make_relaxer
 from derod.equilibrium.system import System
-from derod.rod.unknowns import S_A, S_B, X_C
+from derod.push.controls import CONTROLS
 from derod.rod.state import State
+from derod.rod.unknowns import S_A, S_B, X_C
 
 PLACE = 1.5 * np.pi  # on the plateau of Pt
 SOFTNESS = (0.1, 0.005)
@@ -40,7 +41,13 @@ def state_of_pt(system: System) -> State:
         i = int(np.argmin(np.abs(branch.table["end_shortening"] - PLACE)))
         row, places, s = branch.table[i], branch.positions(i), branch.arc_length(i)
         centre = branch.drop_center(i)
-    state = State(np.zeros((system.edges + 1, 3)), np.zeros(7), 0.0, float(row["end_shortening"]))
+    state = State(
+        np.zeros((system.edges + 1, 3)),
+        np.zeros(7),
+        0.0,
+        float(row["end_shortening"]),
+        system.physics,
+    )
     length, capillary = system.physics.length, system.physics.capillary_force
     state.b[S_A] = 0.5 * (length - row["wetted_length"])
     state.b[S_B] = length - state.b[S_A]
@@ -48,7 +55,7 @@ def state_of_pt(system: System) -> State:
     plane = [lateral, 2]
     state.q[:, :2] = CubicSpline(s, places[:, plane])(system.arc_length(state))
     state.q[0, :2] = 0.0
-    state.clamp_at(state.end_shortening, length)
+    state.clamp_at(state.end_shortening)
     kin = system.room.kin
     state.q[1:, 2] = row["end_tension"]
     state.q[1 + kin.node_a : 1 + kin.node_b, 2] -= capillary
@@ -92,10 +99,10 @@ def pt_at_a_hard_wall() -> tuple[str, str, Check, str]:
             check = ("v0 reached", strength, STRENGTH[1])
             return "converged", str(solution.outcome), check, solution.message[:90]
         state = solution.state
-        unstable = max(unstable, analyse(system, state).unstable_modes)
+        unstable = max(unstable, measure(system, state, CONTROLS["end_shortening"]).unstable_modes)
     system.gradient(state)
     limit = system.physics.capillary_force - 2
-    check = ("t off f_gamma - 2", abs(system.end_tension() - limit), 0.05)
+    check = ("t off f_gamma - 2", abs(system.end_tension(state) - limit), 0.05)
     gap = system.wall_gap(state)
     remark = f"{len(harder_walls())} walls, {iterations} iterations, gap {gap:.0e}"
     outcome = "converged" if unstable == 0 else f"{unstable} unstable modes in the plane"

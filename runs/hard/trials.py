@@ -18,10 +18,11 @@ from hard.checks import Check
 from hard.hard_wall import pt_at_a_hard_wall
 
 import derod
-from derod.equilibrium.methods import make_relaxer
 from derod.equilibrium.loop import relax
-from derod.equilibrium.stability import analyse
+from derod.equilibrium.measured import measure
+from derod.equilibrium.methods import make_relaxer
 from derod.equilibrium.system import System
+from derod.push.controls import CONTROLS
 from derod.push.driver import frame_of
 from derod.push.encode import decode
 from derod.push.guess import bent_guess
@@ -44,9 +45,9 @@ SHORTENING = 0.5 * np.pi
 
 def crooked(system: System) -> State:
     """Return a nearly straight rod with its end clamp at ``SHORTENING``: every edge is too short."""
-    state = bent_guess(system, 0.02 * np.pi)
+    state = bent_guess(system, system.physics, 0.02 * np.pi)
     state.q[:, 2] *= (system.physics.length - SHORTENING) / state.q[-1, 2]
-    state.clamp_at(SHORTENING, system.physics.length)
+    state.clamp_at(SHORTENING)
     return state
 
 
@@ -83,9 +84,9 @@ def tangled_starts() -> Trial:
         solution = relax(make_relaxer("implicit"), system, tangle(system, seed), descend=True)
         ends[str(solution.outcome)] += 1
         if solution.converged:
-            unstable = analyse(system, solution.state).unstable_modes
+            unstable = measure(system, solution.state, CONTROLS["end_shortening"]).unstable_modes
             system.gradient(solution.state)
-            wrong += unstable != 0 or system.excess(state, system.tolerance)[0] > 1
+            wrong += unstable != 0 or system.excess(solution.state, system.tolerance)[0] > 1
         else:
             wrong += not solution.message
     remark = ", ".join(f"{count} {name}" for name, count in ends.items())

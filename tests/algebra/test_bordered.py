@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from derod.algebra.bordered import factorize, new_factor, solve, solve_refined
-from derod.rod.assembly import Linear
+from derod.rod.arrays import Linear
 from tests.rod.states import dense
 
 

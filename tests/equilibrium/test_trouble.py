@@ -15,7 +15,7 @@ from tests.scenes import coil
 @pytest.mark.parametrize("method", ["implicit", "elliptic", "fire"])
 def test_a_poisoned_node_is_named(method: str) -> None:
     system = System(coil(edges=40))
-    start = bent_guess(system, 0.1)
+    start = bent_guess(system, system.physics, 0.1)
     start.q[17, 1] = np.nan
     solution = relax(make_relaxer(method), system, start)
     assert solution.outcome is Outcome.DIVERGED
@@ -25,7 +25,7 @@ def test_a_poisoned_node_is_named(method: str) -> None:
 
 def test_a_node_outside_the_wall_is_refused() -> None:
     system = System(coil(edges=40))
-    start = bent_guess(system, 0.1)
+    start = bent_guess(system, system.physics, 0.1)
     start.q[20, 1] += 2.0
     solution = relax(make_relaxer("implicit"), system, start)
     assert solution.outcome is Outcome.DIVERGED

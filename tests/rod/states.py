@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from derod.rod import assembly
-from derod.rod.grid import lay_grid
+from derod.rod import arrays, assembly
 from derod.rod.arrays import Mesh
-from derod.rod.physics import Physics
+from derod.rod.grid import lay_grid
 from derod.rod.mesh import dry_mesh, wetted_mesh
+from derod.rod.physics import constants
 from derod.scene.tables import Mesh as MeshOptions
 
-AXES = {2: (0.0, 1.0), 3: (0.0, 0.0, 1.0)}
 LENGTH = 3.0
 ROTATION = 1.0
 LAYER = 0.2  # elastocapillary length, D
@@ -21,10 +20,20 @@ class Sample:
     """A state (q, b), its constants and room to work in."""
 
     def __init__(self, d: int, edges: int = 24, turns: float = 0.0, drop: bool = True) -> None:
-        self.physics = Physics(AXES[d], 0.9, 20.0, 2e-2, 0.1, LENGTH, drop)
+        self.physics = constants(
+            d,
+            LENGTH,
+            drop=drop,
+            twisting=0.9,
+            end_rotation=ROTATION if d == 3 else 0.0,
+            capillary_force=20.0,
+            wall_strength=2e-2,
+            wall_softness=0.1,
+            weight=3.0,
+        )
         options = MeshOptions(edges=edges, inner_grading=0.3)
         self.mesh: Mesh = wetted_mesh(options, LAYER) if drop else dry_mesh(edges)
-        self.room = assembly.new_room(self.mesh, self.physics)
+        self.room = arrays.new_room(self.mesh, self.physics)
         self.d, self.edges = d, edges
         self.psi = 0.0
         rng = np.random.default_rng(7)
@@ -47,7 +56,7 @@ class Sample:
 
     def gradient(self, q: np.ndarray, b: np.ndarray) -> np.ndarray:
         """The residual as one vector: q's rows 1 ... N, then b."""
-        psi, sound = assembly.gradient(self.physics, self.mesh, q, b, self.psi, ROTATION, self.room)
+        psi, sound = assembly.gradient(self.physics, self.mesh, q, b, self.psi, self.room)
         assert sound
         self.followed = psi
         return np.concatenate([self.room.r[1:].ravel(), self.room.rb])
@@ -56,7 +65,7 @@ class Sample:
         """Energies and constraints, put together without the gradient's code."""
         self.gradient(q, b)
         d, kin = self.d, self.room.kin
-        energy = sum(assembly.energies(self.physics, q, b, self.followed, ROTATION, self.room))
+        energy = sum(assembly.energies(self.physics, q, b, self.followed, self.room))
         value = energy + q[1:, d] @ self.room.grad.constraint[1:-1]
         if self.physics.drop:
             for side, node in enumerate((kin.node_a, kin.node_b)):
@@ -67,7 +76,7 @@ class Sample:
     def dense(self) -> np.ndarray:
         """The bordered band matrix at the state, dense."""
         self.gradient(self.q, self.b)
-        assembly.hessian(self.physics, self.q, self.b, self.followed, ROTATION, self.room)
+        assembly.hessian(self.physics, self.q, self.b, self.followed, self.room)
         return dense(self.room.linear)
 
     def free(self) -> np.ndarray:
@@ -77,7 +86,7 @@ class Sample:
         return np.array([i for i in range(n + self.d + 5) if i not in held])
 
 
-def dense(linear: assembly.Linear) -> np.ndarray:
+def dense(linear: arrays.Linear) -> np.ndarray:
     """A bordered band matrix as a dense one."""
     rows, stride = linear.band.shape
     n, m = rows - stride + 1, linear.corner.shape[0]

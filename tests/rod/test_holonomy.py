@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from scipy.integrate import quad
 
-from derod.rod import assembly
-from derod.rod.physics import Physics
+from derod.rod import arrays, assembly
 from derod.rod.mesh import dry_mesh
+from derod.rod.physics import constants
 
 
 def tangent(s: float) -> np.ndarray:
@@ -18,9 +18,9 @@ def tangent(s: float) -> np.ndarray:
 
 def error(edges: int) -> float:
     """Error of psi against the solid angle int (1 - cos tilt) dturn."""
-    physics = Physics((0.0, 0.0, 1.0), 0.9, 0.0, 0.0, 0.0, 1.0, False)
+    physics = constants(3, 1.0, drop=False, twisting=0.9)
     mesh = dry_mesh(edges)
-    room = assembly.new_room(mesh, physics)
+    room = arrays.new_room(mesh, physics)
     q = np.zeros((edges + 1, 4))
     ends = np.linspace(0, 1, edges + 1)
     for i in range(1, edges + 1):
@@ -28,7 +28,7 @@ def error(edges: int) -> float:
             step = quad(lambda s, k=k: tangent(s)[k], ends[i - 1], ends[i])[0]
             q[i, k] = q[i - 1, k] + step
     exact = quad(lambda s: 5 * (1 - np.cos(1.2 * np.sin(np.pi * s) ** 2)), 0, 1)[0]
-    psi, _ = assembly.gradient(physics, mesh, q, np.zeros(8), exact, 0.0, room)
+    psi, _ = assembly.gradient(physics, mesh, q, np.zeros(8), exact, room)
     return abs(psi - exact)
 
 

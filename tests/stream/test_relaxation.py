@@ -6,6 +6,7 @@ import pytest
 import derod
 from derod.equilibrium.loop import Report
 from derod.push.frames import Ending, Event, Outcome
+from derod.rod.physics import constants
 from derod.rod.state import State
 from derod.views.stream.observer import MOST_STEPS, RelaxationWatch, RerunStream
 from tests.stream.reading import read_rrd
@@ -21,7 +22,7 @@ class Kept:
 
 
 def a_state() -> State:
-    return State(np.zeros((5, 4)), np.arange(8.0), 0.0, 0.3)
+    return State(np.zeros((5, 4)), np.arange(8.0), 0.0, 0.3, constants(3, 10.0, drop=True))
 
 
 def steps(watch, increment, count):
