@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from derod.push.columns import ROW
 from derod.push.frames import Ending, Event, Frame, Observer, Outcome
+from derod.push.rows import ROW
 from derod.record import Run
 from derod.scene import Scene, parse_scene
 

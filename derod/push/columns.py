@@ -1,6 +1,7 @@
 """The columns of a run's table, each described once: type, unit, symbol, and where its value comes from.
 
-Data types, units in files, labels in plots and what extrapolation may improve are read off this list.
+Data types (``push.rows``), units in files, labels in plots and what extrapolation may improve are read off
+this list.
 ``power`` is the power of ``rod.bending`` that turns a value of the rod's units into one of K0's.
 """
 
@@ -10,12 +11,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-import numpy as np
-
-from derod.equilibrium.energies import PARTS
 from derod.push.controls import CONTROLS, Control
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from derod.equilibrium.measured import Measured
 
 
@@ -97,7 +97,7 @@ def end_tension(here: Measured, settled: Settled) -> float:
 
 
 FORCE, ENERGY = "K0 D-2", "K0 D-1"
-COLUMNS: tuple[Column, ...] = (
+COLUMNS: list[Column] = [
     told("increment", kind="i8"),
     control_column(CONTROLS["end_shortening"]),
     control_column(CONTROLS["end_rotation"]),
@@ -143,18 +143,5 @@ COLUMNS: tuple[Column, ...] = (
     *vector_columns("end_force", FORCE, lambda here: here.reactions.end_force),
     *vector_columns("start_moment", ENERGY, lambda here: here.reactions.start_moment),
     *vector_columns("end_moment", ENERGY, lambda here: here.reactions.end_moment),
-)  # fmt: skip
+]  # fmt: skip
 """In the order of the table; the first thirty are those of version 0.1 and what it soon grew."""
-
-
-def completed(columns: tuple[Column, ...]) -> tuple[Column, ...]:
-    """Return the columns, with those of controls and energies that are not among them yet."""
-    names = {column.name for column in columns}
-    more = [energy_column(part) for part in PARTS]
-    more += [control_column(control) for control in CONTROLS.values()]
-    return (*columns, *(column for column in more if column.name not in names))
-
-
-COLUMNS = completed(COLUMNS)
-ROW = np.dtype([(column.name, column.kind) for column in COLUMNS])
-"""One row of the run table."""

@@ -27,7 +27,6 @@ from derod.push.increments import OUTER_LEAST, Increment, Increments
 from derod.push.stride import Stride, same_place
 from derod.push.stuck import Stuck, outcome_of
 from derod.push.telling import Telling
-from derod.rod.state import State
 from derod.scene import Scene
 from derod.scene.controls import HELD
 from derod.scene.program import SHORTENING, legs, slides_at_start
@@ -52,7 +51,7 @@ class Push:
         )
         self.segment = 0
         self.here: Measured | None = None
-        self.before: State | None = None
+        self.before: Measured | None = None  # the state before, on the same branch
 
     # -- the path
 
@@ -64,10 +63,13 @@ class Push:
         if wanted is None and not slides:
             wanted = scene.clamps.end_shortening
         near = SLACK if wanted is None else min(wanted, LEAD_IN)
-        self.steer(SHORTENING, LEAD_IN if scene.push.control != SHORTENING else scene.push.max_step)
+        if scene.push.control == SHORTENING:
+            self.steer(SHORTENING, scene.push.max_step, self.legs[0].locate)
+        else:
+            self.steer(SHORTENING, LEAD_IN)
         first = self.first_state(near, slides)
         if wanted is None:
-            self.steer(scene.push.control, scene.push.max_step)
+            self.steer(scene.push.control, scene.push.max_step, self.legs[0].locate)
             self.telling.recording = True
             self.accept(self.settled(first), landing=True)
             return
@@ -80,7 +82,7 @@ class Push:
         if led_in or other:
             self.telling.recording = True
             if other:
-                self.steer(scene.push.control, scene.push.max_step)
+                self.steer(scene.push.control, scene.push.max_step, self.legs[0].locate)
                 self.remeasure()
             self.accept(self.increment_here(), landing=True)
 
@@ -122,10 +124,11 @@ class Push:
         row = frames[-1].row
         self.segment = int(row["segment"])
         leg = self.legs[self.segment]
-        self.steer(leg.control, leg.max_step)
+        self.steer(leg.control, leg.max_step, leg.locate)
         state = decode(self.system, frames[-1], slides=leg.slides)
         if row["smooth"] and len(frames) == 2:
-            self.before = decode(self.system, frames[0], slides=leg.slides)
+            earlier = decode(self.system, frames[0], slides=leg.slides)
+            self.before = self.increments.measure(earlier)
         self.telling.go_on(row, len(run))
         self.here = self.increments.measure(state)
         unit = self.system.bending**self.increments.control.power
@@ -156,7 +159,7 @@ class Push:
             return
         words = HELD[leg.control].words
         self.telling.event("turn", delta, f"from here on the {words} pushes, toward {leg.stop:.6g}")
-        self.steer(leg.control, leg.max_step)
+        self.steer(leg.control, leg.max_step, leg.locate)
         state = self.here.state.copy()
         if leg.slides != before.slides:
             pull = self.here.tension if leg.slides else 0.0
@@ -167,13 +170,14 @@ class Push:
         if settled.here is not self.here:
             self.accept(settled, landing=False)
 
-    def steer(self, name: str, max_step: float) -> None:
-        """Push with a control from here on."""
+    def steer(self, name: str, max_step: float, locate: bool = False) -> None:
+        """Push with a control from here on; with ``locate``, look for events between increments."""
         control = CONTROLS[name]
         unit = self.system.bending**control.power
         usual = HELD[name].step(self.scene)
         self.increments.control = control
         self.increments.words = HELD[name].words
+        self.increments.locates = locate
         self.increments.stride = Stride(max_step / unit, usual / unit)
 
     def advance_to(self, stop: float, landings: Sequence[float]) -> None:
@@ -210,7 +214,7 @@ class Push:
 
     def accept(self, increment: Increment, *, landing: bool) -> None:
         """Make ``increment`` the present state, and record it."""
-        previous = None if self.here is None else self.here.state
+        previous = self.here
         here = increment.here
         if self.telling.recording:
             frame = self.telling.frame(here, self.row_of(increment, landing))

@@ -9,9 +9,10 @@ import numpy as np
 
 from derod.equilibrium.measured import Measured
 from derod.equilibrium.system import System
-from derod.push.columns import COLUMNS, ROW, Settled
+from derod.push.columns import Settled
 from derod.push.controls import CONTROLS
 from derod.push.frames import Frame
+from derod.push.rows import ALL, ROW
 from derod.rod.state import State
 from derod.rod.unknowns import BORDER, F_A, S_A, S_B, X_C
 
@@ -20,7 +21,7 @@ def encode(system: System, here: Measured, settled: Settled) -> Frame:
     """Return the frame of a settled state, with what was measured there."""
     unit, state = system.bending, here.state
     row = np.zeros(1, ROW)[0]
-    for column in COLUMNS:
+    for column in ALL:
         value = column.value(here, settled)
         row[column.name] = value * unit**column.power if column.power else value
     return Frame(
@@ -47,7 +48,8 @@ def decode(system: System, frame: Frame, *, slides: bool) -> State:
     physics = system.physics._replace(slides=slides)
     state = State(q, b, float(row["holonomy"]), float(row["end_shortening"]), physics)
     for name, control in CONTROLS.items():
-        if name != "end_shortening" and (name != "end_tension" or slides):
+        held = name == "end_shortening" or (name == "end_tension" and not slides)
+        if not held and np.isfinite(row[name]):  # older runs have no columns of some constants
             control.set(state, float(row[name]) / unit**control.power)
     if not slides:
         state.physics = state.physics._replace(end_tension=0.0)

@@ -7,6 +7,7 @@ Lengths are in D, forces in K0/D^2, energies in K0/D, angles in radians, times i
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
@@ -21,9 +22,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Frame:
-    """One settled increment: a ``columns.ROW`` and the fields that drawing and resuming need."""
+    """One settled increment: a ``rows.ROW`` and the fields that drawing and resuming need."""
 
-    row: np.void  # of dtype ``columns.ROW``
+    row: np.void  # of dtype ``rows.ROW``
     positions: np.ndarray  # (N+1, 3), nodes, D
     arc_length: np.ndarray  # (N+1,), of the nodes, D
     drop_center: np.ndarray  # (3,), D
@@ -46,6 +47,9 @@ class Event:
     energy_before: float  # E_hat, nan where it has no meaning
     energy_after: float
     message: str
+    control_value: float = math.nan
+    """Of what pushes, in its unit: where a branch ends or loses its stability, located if
+    ``push.locate`` says so."""
 
 
 class Outcome(StrEnum):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
 from typing import NamedTuple
 
@@ -15,6 +16,7 @@ from derod.equilibrium.system import System
 from derod.push.descent import Descender, Descent, Noise
 from derod.push.frames import Outcome
 from derod.push.ledger import Verdict, compare
+from derod.push.locating import crossing, fold
 from derod.push.predict import predict
 from derod.push.stride import Stride
 from derod.push.stuck import Stuck, outcome_of
@@ -48,8 +50,9 @@ class Increments:
         self.control: Control
         self.stride: Stride
         self.words = ""  # what the control is called in sentences
+        self.locates = False  # whether events are looked for between increments
 
-    def attempt(self, here: Measured, before: State | None, target: float) -> Increment | None:
+    def attempt(self, here: Measured, before: Measured | None, target: float) -> Increment | None:
         """Try to settle at ``target``; return None, with a shorter stride, where that must be retried."""
         length = abs(target - here.control_value)
         increment, reason = self.follow(here, before, target)
@@ -58,16 +61,16 @@ class Increments:
             self.stride.adapt(
                 length, hard=count > self.relaxer.hard, easy=count <= self.relaxer.easy
             )
-            return self.settle_down(increment)
+            return self.settle_down(increment, here)
         shortest = self.stride.shortest(stable=here.unstable_modes == 0)
         if length > shortest:
             self.stride.shorten(length, shortest)
             self.tell_halving(here, reason)
             return None
-        return self.pass_over(here, target, reason)
+        return self.pass_over(here, before, target, reason)
 
     def follow(
-        self, here: Measured, before: State | None, target: float
+        self, here: Measured, before: Measured | None, target: float
     ) -> tuple[Increment | None, str]:
         """Follow the branch to ``target``; return the increment, or None and why it may not stand."""
         guess = predict(self.system, self.control, here, before, target)
@@ -87,7 +90,17 @@ class Increments:
         increment = Increment(there, solution.iterations, solution.residual, True, entry.defect)
         return increment, ""
 
-    def pass_over(self, here: Measured, target: float, reason: str) -> Increment | None:
+    def trace(self, here: Measured, before: Measured, target: float) -> Measured | None:
+        """Settle on the branch of two states at a value of the control, to look at what is there."""
+        guess = predict(self.system, self.control, here, before, target)
+        if guess is None:
+            return None
+        solution = self.relax(guess)
+        return self.measure(solution.state) if solution.converged else None
+
+    def pass_over(
+        self, here: Measured, before: Measured | None, target: float, reason: str
+    ) -> Increment | None:
         """Go down from the last state, moved to ``target``, where no neighbouring state was found.
 
         At a fold that is the way along its soft mode to the next minimum.
@@ -95,11 +108,10 @@ class Increments:
         start = here.state.copy()
         self.control.set(start, target)
         descent = self.descender().descend(start)
+        self.check_outer_rod(descent, lambda: self.end_of_branch(here, before))
         if not descent.stable and not (descent.here and self.noise.amplitude == 0):
-            self.check_outer_rod(descent, target)
             self.shorten(here, target, descent.solution.outcome, descent.solution.message)
             return None
-        self.check_outer_rod(descent, target)
         assert descent.here is not None
         entry = compare(here, descent.here, along=False)
         if entry.verdict is Verdict.LOST:
@@ -111,12 +123,16 @@ class Increments:
             self.shorten(here, target, None, entry.message)
             return None
         if entry.verdict is Verdict.LOST or descent.kicks:
-            self.tell_snap(here, there, target, reason, descent, entry.defect)
+            place, _ = self.end_of_branch(here, before)
+            self.tell_snap(here, there, place, reason, descent, entry.defect)
         self.stride.start_again()
         return Increment(there, descent.iterations, descent.solution.residual, False, entry.defect)
 
-    def settle_down(self, increment: Increment) -> Increment:
-        """Where a settled state has unstable modes, kick it and descend until there are none."""
+    def settle_down(self, increment: Increment, before: Measured | None = None) -> Increment:
+        """Where a settled state has unstable modes, kick it and descend until there are none.
+
+        ``before`` is the state before it on the same branch, if there is one.
+        """
         here = increment.here
         if here.unstable_modes == 0 or self.noise.amplitude == 0:
             return increment
@@ -125,25 +141,26 @@ class Increments:
             state, RelaxOutcome.CONVERGED, increment.iterations, increment.residual, ""
         )
         descent = self.descender().leave(settled, here)
+        self.check_outer_rod(descent, lambda: self.loss_of_stability(here, before))
         if not descent.stable or descent.here is None:
-            self.check_outer_rod(descent, here.control_value)
             raise Stuck(
                 Outcome.NOT_CONVERGED,
                 f"{here.unstable_modes} unstable modes at {self.place(here.control_value)} could not be "
                 f"left by {len(descent.kicks)} kicks: {descent.solution.message}",
             )
-        self.check_outer_rod(descent, here.control_value)
         there = descent.here
         entry = compare(here, there, along=False)
         if entry.verdict is Verdict.GAINED:
             raise Stuck(Outcome.OUT_OF_BALANCE, f"after a kick: {entry.message}")
+        place, lost = self.loss_of_stability(here, before)
         self.telling.event(
             "instability",
             state.end_shortening,
-            f"{here.unstable_modes} unstable modes, the lowest kicked; {descent.sides()}; descended, "
-            f"{moved(here, there)}",
+            f"{lost}{'; ' * bool(lost)}{here.unstable_modes} unstable modes, the lowest kicked; "
+            f"{descent.sides()}; descended, {moved(here, there)}",
             here.energy_hat,
             there.energy_hat,
+            self.told(place),
         )
         return Increment(
             there,
@@ -192,36 +209,66 @@ class Increments:
             )
         self.tell_halving(here, reason)
 
-    def check_outer_rod(self, descent: Descent, target: float) -> None:
-        """Where a descent under a dead load has wound in all the rod there is, no stable state is left."""
-        state = descent.solution.state
-        if state.physics.slides and self.system.outer_length(state) < 10 * OUTER_LEAST:
-            raise Stuck(
-                Outcome.ROD_RAN_OUT,
-                f"no stable state is left at {self.place(target)}: the rod runs in until the outer rod "
-                f"has run out, at end-shortening {state.end_shortening:.6g}",
-            )
+    def end_of_branch(self, here: Measured, before: Measured | None) -> tuple[float, str]:
+        """Return the control's value at which the branch ends, and words for it where it was located."""
+        place = None
+        if self.locates and before is not None:
+            place = fold(before, here, self.stride.usual, self.trace)
+        if place is None:
+            return here.control_value, ""
+        return place, f"the branch ends at {self.place(place, 9)}"
 
-    def place(self, value: float) -> str:
-        """Return a value of the control in words, in the units of files."""
-        told = value * self.system.bending**self.control.power
-        return (
-            f"{told:.6g}" if self.control.name == "end_shortening" else f"{self.words} {told:.6g}"
+    def loss_of_stability(self, here: Measured, before: Measured | None) -> tuple[float, str]:
+        """Return the control's value at which the branch gets unstable, and words where it was located."""
+        place = None
+        if self.locates and before is not None and before.unstable_modes == 0:
+            place = crossing(self.system, before, here, self.stride.usual, self.trace)
+        if place is None:
+            return here.control_value, ""
+        return place, f"stable up to {self.place(place, 9)}"
+
+    def check_outer_rod(
+        self, descent: Descent, last_stable: Callable[[], tuple[float, str]]
+    ) -> None:
+        """Where a descent under a dead load has wound in all the rod there is, no stable state is left.
+
+        ``last_stable`` tells where the last one was, by the control, and in words.
+        """
+        state = descent.solution.state
+        if not state.physics.slides or self.system.outer_length(state) >= 10 * OUTER_LEAST:
+            return
+        place, words = last_stable()
+        told = words or f"the last stable state lies near {self.place(place)}"
+        message = (
+            f"{told}; none is left: the rod runs in until the outer rod has run out, at end-shortening "
+            f"{state.end_shortening:.6g}"
         )
+        self.telling.event("snap", state.end_shortening, message, value=self.told(place))
+        raise Stuck(Outcome.ROD_RAN_OUT, message)
+
+    def told(self, value: float) -> float:
+        """Return a value of the control in the units of files."""
+        return value * float(self.system.bending**self.control.power)
+
+    def place(self, value: float, digits: int = 6) -> str:
+        """Return a value of the control in words, in the units of files."""
+        number = f"{self.told(value):.{digits}g}"
+        return number if self.control.name == "end_shortening" else f"{self.words} {number}"
 
     def tell_halving(self, here: Measured, reason: str) -> None:
         """Say that an increment is retried with a shorter step."""
         self.telling.event(
             "halving",
             here.state.end_shortening,
-            f"step to {self.stride.length * self.system.bending**self.control.power:.3g}: {reason}",
+            f"step to {self.told(self.stride.length):.3g}: {reason}",
+            value=self.told(here.control_value),
         )
 
     def tell_snap(
         self,
         here: Measured,
         there: Measured,
-        target: float,
+        place: float,
         reason: str,
         descent: Descent,
         defect: float,
@@ -234,13 +281,16 @@ class Increments:
                 f", end-shortening {here.state.end_shortening:.6g} to {there.state.end_shortening:.6g}, "
                 f"energy lost {-defect * self.system.bending:.6g}"
             )
+        located = "" if place == here.control_value else f" at {self.place(place, 9)}"
+        start = self.place(here.control_value)
         self.telling.event(
             "snap",
             there.state.end_shortening,
-            f"the branch ends ({reason}); descended from {self.place(here.control_value)} to the next "
+            f"the branch ends{located} ({reason}); descended from {start} to the next "
             f"minimum{slid}, {moved(here, there)}{'; ' * bool(sides)}{sides}",
             here.energy_hat,
             there.energy_hat,
+            self.told(place),
         )
 
 

@@ -12,7 +12,7 @@ LONGEST_LOOK_AHEAD = 2.5  # of the last increment, for the second order
 
 
 def predict(
-    system: System, control: Control, here: Measured, before: State | None, target: float
+    system: System, control: Control, here: Measured, before: Measured | None, target: float
 ) -> State | None:
     """Return a guess of the state at the control's value ``target``, or None where none is sound.
 
@@ -22,8 +22,8 @@ def predict(
     """
     state = here.state
     h = target - here.control_value
-    back = 0.0 if before is None else control.value(before) - here.control_value
-    old = state if before is None else before
+    back = 0.0 if before is None else before.control_value - here.control_value
+    old = state if before is None else before.state
     orders = (back, 0.0) if back != 0.0 and abs(h / back) <= LONGEST_LOOK_AHEAD else (0.0,)
     guess = state.copy()
     for follow_wall in (False, True):

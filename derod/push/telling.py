@@ -62,12 +62,14 @@ class Telling:
         message: str,
         before: float = np.nan,
         after: float = np.nan,
+        value: float = np.nan,
     ) -> None:
-        """Hand on an event; ``before`` and ``after`` are E_hat, K/D."""
+        """Hand on an event; ``before`` and ``after`` are E_hat, K/D, ``value`` the control's, as in files."""
         if not self.recording:
             return
         unit = self.system.bending
-        event = Event(self.count, kind, end_shortening, before * unit, after * unit, message)
+        energies = (before * unit, after * unit)
+        event = Event(self.count, kind, end_shortening, *energies, message, value)
         for observer in self.observers:
             observer.event(event)
 

@@ -16,22 +16,12 @@ from typing import Any
 import numpy as np
 
 from derod.errors import SceneError
+from derod.push.rows import ALL
 from derod.record.run import BaseRun
 from derod.scene import Scene
 
 ORDER = 4
-VALUES = (
-    "end_tension",
-    "energy_total",
-    "energy_hat",
-    "energy_bend",
-    "energy_twist",
-    "energy_wall",
-    "energy_capillary",
-    "wetted_length",
-    "force_a",
-    "force_b",
-)
+VALUES = tuple(column.name for column in ALL if column.extrapolates)
 UNKNOWN = dict.fromkeys(VALUES, np.nan)
 APART = 0.02  # relative; rows whose tension or E_hat differ by more lie on different branches
 DTYPE = np.dtype(

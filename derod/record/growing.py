@@ -26,8 +26,9 @@ from derod.record import layout
 from derod.record.column import Cell, Column
 from derod.record.reader import Run
 from derod.record.verify import ARRAYS as VALUES
-from derod.record.verify import HEAD
+from derod.record.verify import HEAD, whole_frames
 from derod.scene import Scene
+from derod.scene.program import legs
 
 ARRAYS = tuple(name.removesuffix("/value") for name in VALUES)
 METADATA_BYTES = 128 * 1024
@@ -83,9 +84,11 @@ class GrowingFile:
         Each frame is held against its checksum on the way. Raises RecordError.
         """
         stored = run.stored_table()
+        comparable = run.checksummed and run.has_our_columns
+        whole = len(run) if comparable or not run.checksummed else whole_frames(run)
         for i in range(len(run)):
             check = self._write_frame(run.frame_at(i), i)
-            if run.checksummed and check != int(stored[i][layout.CHECK]):
+            if i >= whole or (comparable and check != int(stored[i][layout.CHECK])):
                 raise RecordError(
                     f"{run.path}: is damaged: increment {i} of {len(run)} does not fit its checksum"
                 )
@@ -101,7 +104,7 @@ class GrowingFile:
             np.ascontiguousarray(array, dtype="f8")
             for array in (frame.positions, frame.arc_length, frame.edge_tension, frame.drop_center)
         ]
-        time = float(frame.row["end_shortening"])
+        time = float(frame.row[self._controls[int(frame.row["segment"])]])
         check = frame_digest(i, frame.row.tobytes(), arrays, time)
         self._row[:] = np.frombuffer(frame.row.tobytes() + check.to_bytes(8, "little"), "u1")
         for name, array in zip(ARRAYS, arrays, strict=True):
@@ -122,6 +125,7 @@ class GrowingFile:
                 event.energy_before,
                 event.energy_after,
                 layout.encoded(event.message, layout.MESSAGE_BYTES),
+                event.control_value,
                 0,
             ),
         )
@@ -206,8 +210,11 @@ class GrowingFile:
         file["particles/drop/box"] = box
         position = layout.POSITION
         self._step = Column(file, f"{position}/step", "i8", per_chunk=1024)
-        self._time = Column(file, f"{position}/time", "f8", per_chunk=1024, unit="D")
-        self._time.dataset.attrs["quantity"] = "end_shortening"
+        self._controls = [leg.control for leg in legs(scene)]
+        quantities = list(dict.fromkeys(self._controls))
+        units = list(dict.fromkeys(layout.ROW_UNITS[name] for name in quantities))
+        self._time = Column(file, f"{position}/time", "f8", per_chunk=1024, unit=", ".join(units))
+        self._time.dataset.attrs["quantity"] = ", ".join(quantities)
         shapes = {
             layout.POSITION: (self.nodes, 3),
             layout.ARC_LENGTH: (self.nodes,),

@@ -11,8 +11,8 @@ from derod.errors import RecordError
 from derod.files import checks
 from derod.files.digest import committed_digest, record_digest
 from derod.files.gate import Gate
-from derod.push.columns import ROW
 from derod.push.frames import Ending, Outcome
+from derod.push.rows import ROW
 from derod.record import layout
 
 
@@ -117,8 +117,7 @@ class Head:
 
     def _look_at_events(self) -> None:
         events = self._dataset(layout.EVENTS)
-        wanted = layout.STORED_EVENT if self.checksummed else layout.EVENT_TYPE
-        if events.ndim != 1 or events.dtype != wanted:
+        if events.ndim != 1 or events.dtype not in layout.EVENT_TYPES[self.checksummed]:
             raise checks.DamageError("its events are of another kind")
         checks.rows(events, self.gate, self.events)
 

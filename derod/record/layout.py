@@ -9,13 +9,13 @@
     /particles/rod/arc_length/  step, time, value (T, N+1)
     /particles/rod/edge_tension/ step, time, value (T, N)
     /particles/drop/position/   step, time, value (T, 1, 3)
-    /observables/push/          step, time, value (T) of columns.ROW
+    /observables/push/          step, time, value (T) of rows.ROW
     /events                     (E) of EVENT_TYPE
     /ending                     (1) of ENDING_TYPE, outcome "" while the push goes on
     /committed                  (2) frames and events that are whole: written last
     /committed_check            (2) checks of the last two such counters: written just before it
 
-``time`` is the end-shortening (D), which drives the quasi-static push; ``step`` is the increment.
+``time`` is the value of the control that pushes (its attribute ``quantity``); ``step`` is the increment.
 What lies beyond ``committed`` is unfinished and never read.
 
 Everything is checksummed (``derod.files.digest``): a frame, all its arrays included, in the last field of
@@ -27,7 +27,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from derod.push.columns import COLUMNS, ROW
+from derod.push.rows import ALL, ROW
 
 FORMAT = 2
 """Version of this layout; readers refuse a newer one."""
@@ -87,9 +87,9 @@ OLDEST_COLUMNS = {
     "next_step": "f8",
     "wall_time": "f8",
 }
-"""Columns that every run file has; those that ``columns.ROW`` has beyond them may be missing."""
+"""Columns that every run file has; those that ``rows.ROW`` has beyond them may be missing."""
 
-ROW_UNITS = {column.name: column.unit for column in COLUMNS if column.unit}
+ROW_UNITS = {column.name: column.unit for column in ALL if column.unit}
 """Units of the fields of a row; those not named are counts and flags, or count in the control's."""
 
 ROWS_PER_CHUNK = 32
@@ -105,8 +105,11 @@ EVENT_TYPE = np.dtype(
         ("energy_before", "f8"),
         ("energy_after", "f8"),
         ("message", f"S{MESSAGE_BYTES}"),
+        ("control_value", "f8"),
     ]
 )
+OLDER_EVENT_TYPE = np.dtype(EVENT_TYPE.descr[:-1])
+"""Of runs that only the end-shortening pushed: that was the control's value."""
 ENDING_TYPE = np.dtype(
     [
         ("outcome", f"S{KIND_BYTES}"),
@@ -122,7 +125,7 @@ def with_check(dtype: np.dtype) -> np.dtype:
 
 
 def as_rows(stored: np.ndarray) -> np.ndarray:
-    """Stored rows as rows of ``columns.ROW``; numbers of columns they lack are NaN, others zero."""
+    """Stored rows as rows of ``rows.ROW``; numbers of columns they lack are NaN, others zero."""
     if stored.dtype == ROW:
         return stored
     rows = np.zeros(stored.shape, ROW)
@@ -135,11 +138,16 @@ def as_rows(stored: np.ndarray) -> np.ndarray:
 
 
 def has_our_columns(dtype: np.dtype) -> bool:
-    """Whether stored rows have the columns of ``columns.ROW`` and no others."""
+    """Whether stored rows have the columns of ``rows.ROW`` and no others, so that checks carry over."""
     return tuple(name for name in dtype.names or () if name != CHECK) == ROW.names
 
 
 STORED_ROW, STORED_EVENT, STORED_ENDING = map(with_check, (ROW, EVENT_TYPE, ENDING_TYPE))
+EVENT_TYPES = {
+    True: (STORED_EVENT, with_check(OLDER_EVENT_TYPE)),
+    False: (OLDER_EVENT_TYPE,),
+}
+"""What events may be stored as, with checksums and without."""
 
 
 def record(dtype: np.dtype, values: tuple[object, ...]) -> np.void:

@@ -90,6 +90,8 @@ class Run(BaseRun):
                     raise RecordError(
                         f"{self.path}: is damaged: event {i} does not fit its checksum"
                     )
+        newer = "control_value" in (stored.dtype.names or ())
+        place = "control_value" if newer else "end_shortening"
         return tuple(
             Event(
                 increment=int(event["increment"]),
@@ -98,6 +100,7 @@ class Run(BaseRun):
                 energy_before=float(event["energy_before"]),
                 energy_after=float(event["energy_after"]),
                 message=layout.decoded(event["message"]),
+                control_value=float(event[place]),
             )
             for event in stored
         )
@@ -153,8 +156,8 @@ class Run(BaseRun):
         self._gate.shut()
 
     @property
-    def goes_on(self) -> bool:
-        """Whether this derod can go on with the run: its rows have the columns of today."""
+    def has_our_columns(self) -> bool:
+        """Whether its rows have the columns of today, so that copied rows keep their checks."""
         return layout.has_our_columns(self._found[f"{layout.TABLE}/value"].dtype)
 
     def field(self, name: str, i: int) -> np.ndarray:

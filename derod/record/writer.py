@@ -131,8 +131,6 @@ def resume_copy(
         if run.checksummed:
             verify_head(run)
         scene = run.scene if scene is None else scene
-        if not run.goes_on:
-            raise RecordError(f"{run.path}: was written by another version, which cannot go on")
         if scene.mesh != run.scene.mesh:
             raise RecordError(f"{run.path}: a run cannot go on with another mesh")
         writer = RunWriter(path)

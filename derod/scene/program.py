@@ -19,6 +19,8 @@ class Leg:
     stop: float
     at: tuple[float, ...]
     max_step: float
+    locate: bool
+    """Whether events are looked for between increments."""
     slides: bool
     """Whether the end clamp slides under a dead load meanwhile."""
     key: str
@@ -29,15 +31,23 @@ def legs(scene: Scene) -> tuple[Leg, ...]:
     """The legs of ``push.stop``, then those of ``[[steps]]``; on every one of them it may land."""
     push = scene.push
     slides = scene.clamps.end_tension is not None or push.control == TENSION
+
+    def locates(control: str) -> bool:
+        return control != SHORTENING if push.locate is None else push.locate
+
     made = []
     for i, stop in enumerate(push.stop):
         key = f"push.stop[{i}]" if len(push.stop) > 1 else "push.stop"
-        made.append(Leg(push.control, stop, push.at, push.max_step, slides, key))
+        made.append(
+            Leg(push.control, stop, push.at, push.max_step, locates(push.control), slides, key)
+        )
     for n, step in enumerate(scene.steps):
         slides = step.control != SHORTENING and (slides or step.control == TENSION)
         for i, stop in enumerate(step.stop):
             key = f"steps[{n}].stop" + (f"[{i}]" if len(step.stop) > 1 else "")
-            made.append(Leg(step.control, stop, step.at, step.max_step, slides, key))
+            made.append(
+                Leg(step.control, stop, step.at, step.max_step, locates(step.control), slides, key)
+            )
     return tuple(made)
 
 

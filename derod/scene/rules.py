@@ -115,6 +115,7 @@ KEYS: dict[str, dict[str, Key]] = {
     "push": {
         **_PATH,
         "start": Key(read_quantity, _finite, _end_shortening),
+        "locate": Key(_switch, _any, "true or false"),
         "bend": Key(_side, _any, "'down' or 'up'"),
     },
     "steps": _PATH,

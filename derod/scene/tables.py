@@ -96,6 +96,9 @@ class Push(Table, frozen=True, kw_only=True):
     """Values to land on exactly, in increasing order."""
     max_step: float = 0.02 * math.pi
     """The largest increment; for other controls the one of ``derod.scene.controls``."""
+    locate: bool | None = None
+    """Whether the places of folds and bifurcations are found between increments; None: where
+    another control than the end-shortening pushes."""
     bend: str = "down"
     """Which way a heavy drop's rod bends at first, "down" (it hangs) or "up"."""
 

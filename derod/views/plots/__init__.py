@@ -67,7 +67,7 @@ def plot(
     from derod.views.plots.picture import make_picture, show_window, write_picture
     from derod.views.plots.style import THEMES
 
-    module = import_module(f"derod.views.plots.{KINDS[kind].module}")
+    module = import_module(KINDS[kind].module)
     theme = THEMES[style]
     picture = make_picture(
         lambda figure: module.draw(figure, runs, branches, theme, options), theme, show

@@ -28,22 +28,22 @@ class Kind:
 
 KINDS = {
     "path": Kind(
-        "path", "t and E_hat against delta: stability, events, bifurcations",
+        "derod.views.plots.path", "t and E_hat against delta: stability, events, bifurcations",
         (0, math.inf), (0, math.inf), "run files and branch files",
     ),
     "shapes": Kind(
-        "shapes", "the rod and its drop at given end-shortenings",
+        "derod.views.plots.shapes", "the rod and its drop at given end-shortenings",
         (0, math.inf), (0, math.inf), "run files and branch files",
     ),
     "energies": Kind(
-        "energies", "the parts of the energy along a push", (1, 1), (0, 0), "one run file",
+        "derod.views.plots.energies", "the parts of the energy along a push", (1, 1), (0, 0), "one run file",
     ),
     "kymograph": Kind(
-        "kymograph", "curvature and tension along the rod against delta",
+        "derod.views.plots.kymograph", "curvature and tension along the rod against delta",
         (1, 1), (0, 0), "one run file",
     ),
     "compare": Kind(
-        "compare", "errors of a push, held against the branches",
+        "derod.views.plots.compare", "errors of a push, held against the branches",
         (1, math.inf), (1, 1), "run files and one branch file",
     ),
 }  # fmt: skip
