@@ -9,7 +9,7 @@ import numpy as np
 from derod.branches import closure as col
 from derod.branches.fields import evaluate_fields
 from derod.branches.mesh import RESOLUTION, adapted, drifted
-from derod.branches.mirror import FULL, PLANES, Mirror
+from derod.branches.mirror import FULL, Mirror, planes
 from derod.branches.newton import Settled, settle
 from derod.branches.outcome import NotConverged
 from derod.branches.state import HalfRod, Increment
@@ -19,17 +19,19 @@ FLAT = 1e-7
 
 
 def metric(capillary_force: float) -> np.ndarray:
-    """Squared weights (36,) of the kept unknowns in the arclength.
+    """Squared weights (37,) of the kept unknowns in the arclength.
 
     Lengths and quaternions count as they are, forces in units of f_gamma, moments of f_gamma D / 2.
     """
     node = np.array([1.0] * 7 + [1.0 / capillary_force] * 3)
-    scalars = [2.0 / capillary_force, 2.0 / capillary_force, 0.2, 1.0, 1.0, 1.0 / capillary_force]
+    unit = 1.0 / capillary_force
+    moment = 2.0 / capillary_force
+    scalars = [moment, moment, 0.2, 1.0, 1.0, unit, unit]
     return np.concatenate([node, node, node, scalars]) ** 2
 
 
 def frozen(column: int) -> np.ndarray:
-    """The closing row (36,) that holds one kept unknown."""
+    """The closing row (37,) that holds one kept unknown."""
     row = np.zeros(col.KEPT)
     row[column] = 1.0
     return row
@@ -54,7 +56,7 @@ class Point:
     """A settled state on a path, its tangent and the path's arclength up to it."""
 
     settled: Settled
-    tangent: np.ndarray  # (36,), of metric length one
+    tangent: np.ndarray  # (37,), of metric length one
     arc: float
     increment: Increment = field(init=False)
 
@@ -73,10 +75,18 @@ class Point:
 
 
 class Tracer:
-    """Steps along one path: ``held`` is the kept scalar that does not change (f_gamma or delta)."""
+    """Steps along one path.
+
+    ``held``: which of delta, f_gamma and W do not change. One of them: W does not change either
+    and is no unknown. Two: W is the third's partner among the unknowns.
+    """
 
     def __init__(
-        self, mirror: Mirror, control: Control, capillary_force: float, held: int = col.FGAMMA
+        self,
+        mirror: Mirror,
+        control: Control,
+        capillary_force: float,
+        held: tuple[int, ...] = (col.FGAMMA,),
     ) -> None:
         self.mirror = mirror
         self.control = control
@@ -84,12 +94,14 @@ class Tracer:
         self.held = held
 
     def begin(self, settled: Settled, direction: np.ndarray, arc: float = 0.0) -> Point:
-        """A path's first point, its tangent on the side of ``direction`` (36,)."""
-        row = self.metric * direction
-        tangent = settled.reduced.solve(
-            np.stack([frozen(self.held), row]), np.array([[0.0, 1.0, 0.0]])
-        )[0]
+        """A path's first point, its tangent on the side of ``direction`` (37,)."""
+        values = np.array([[*(0.0 for _ in self.held), 1.0, 0.0]])
+        tangent = settled.reduced.solve(self.closing(direction), values)[0]
         return Point(settled, tangent / np.sqrt(self.metric @ tangent**2), arc)
+
+    def closing(self, direction: np.ndarray) -> np.ndarray:
+        """The closing rows (held + 1, 37): what is held, and the projection on ``direction``."""
+        return np.stack([*(frozen(column) for column in self.held), self.metric * direction])
 
     def advance(
         self, point: Point, length: float, previous: Point | None = None, remesh: bool = True
@@ -108,10 +120,9 @@ class Tracer:
             raise NotConverged("the prediction lies outside the wall")
         if remesh and drifted(predicted, self.control.resolution):
             predicted = adapted(predicted, self.control.resolution)
-        row = self.metric * point.tangent
-        closing = np.stack([frozen(self.held), row])
+        closing = self.closing(point.tangent)
         values = closing @ point.state.kept
-        values[1] += length
+        values[-1] += length
         settled = settle(predicted, self.mirror, closing, values, self.control.tolerance)
         return self.begin(settled, point.tangent, point.arc + length)
 
@@ -158,7 +169,7 @@ class Tracer:
 
 def fell_flat(before: HalfRod, after: HalfRod) -> bool:
     """Whether a step from a space curve ended on a planar path: its out-of-plane unknowns vanish."""
-    for _, odd in PLANES:
+    for _, odd in planes(before.weight):
         size = float(np.linalg.norm(before.kept[odd.kept]))
         if float(np.linalg.norm(after.kept[odd.kept])) < FLAT * size:
             return True

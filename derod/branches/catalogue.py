@@ -45,6 +45,7 @@ from derod.branches.parameters import Parameters
 from derod.branches.special import SpecialPoint, branch_off, crossed_plane, flattened
 from derod.branches.state import HalfRod
 from derod.branches.straight import NoBuckling, buckling_tensions, first_buckled
+from derod.branches.weight import START, hung, loaded
 
 AMPLITUDE = 0.02
 """Lateral offset (D) or quaternion component held in the first buckled state."""
@@ -55,6 +56,8 @@ PT_FACTORS = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0)
 """Multiples of f_gamma at which the second buckling mode is looked for."""
 JOINT_DISTANCE = 0.1
 """A plane met is one already traced if (delta, t/f_gamma, sigma) are this near to its pitchfork."""
+UPSIDE_DOWN = "-up"
+"""Ending of the names of a heavy drop's paths that start from the rod turned by pi."""
 TRIANGLES = 3
 """Most 'yet other paths' followed from Ax."""
 
@@ -84,12 +87,23 @@ class Path:
         """Indices among the specials, and pitchforks, in the path's order."""
         return [(i, s) for i, (_, s) in enumerate(self.specials) if s.kind == "pitchfork"]
 
+    @property
+    def pitchforks_ahead(self) -> list[tuple[int, SpecialPoint]]:
+        """Those behind the last fold before the path's arclength 0.
+
+        A rod with its drop upside down comes from large end-shortenings under pressure, and turns round
+        where it may be pulled.
+        """
+        turns = [s.point.arc for _, s in self.specials if s.kind == "fold" and s.point.arc < 0.0]
+        return [item for item in self.pitchforks if item[1].point.arc > max(turns, default=-np.inf)]
+
 
 class Catalogue:
     """Finds and keeps the paths of one set of parameters.
 
     ``delta_limit`` (D) bounds the end-shortening; paths of interest end earlier, where the outer
-    rod runs out.
+    rod runs out. With a weight the paths start from the hanging rod or, ``upside_down``, from the one
+    turned by pi; the latter's names end with "-up".
     """
 
     def __init__(
@@ -97,14 +111,17 @@ class Catalogue:
         parameters: Parameters,
         control: Control | None = None,
         delta_limit: float | None = None,
+        upside_down: bool = False,
     ) -> None:
         self.parameters = parameters
+        self.upside_down = upside_down
+        self.ending = UPSIDE_DOWN if upside_down else ""
         self.control = control or Control()
         self.delta_limit = parameters.length if delta_limit is None else delta_limit
         self.paths: dict[str, Path] = {}
         self.missed: list[str] = []  # paths that could not be followed, and why
 
-    def tracer(self, mirror: Mirror, held: int = col.FGAMMA) -> Tracer:
+    def tracer(self, mirror: Mirror, held: tuple[int, ...] = (col.FGAMMA,)) -> Tracer:
         """A tracer of this catalogue's control in a mirror class."""
         return Tracer(mirror, self.control, self.parameters.capillary_force, held)
 
@@ -118,11 +135,20 @@ class Catalogue:
 
     def ax(self) -> Path:
         """The planar path from the straight rod's first buckling, through its folds to its end."""
-        if "Ax" not in self.paths:
-            self._from_straight("Ax", STRAIGHT_LOOP, LOOP_EVEN, LOOP_ODD)
-        return self.paths["Ax"]
+        name = "Ax" + self.ending
+        if name not in self.paths:
+            self._from_straight(name, STRAIGHT_LOOP, LOOP_EVEN, LOOP_ODD)
+        return self.paths[name]
 
     def _from_straight(self, name: str, mode: Mirror, mirror: Mirror, odd: Mirror | None) -> Path:
+        if self.parameters.weight != 0.0:
+            settled = self._loaded_start(mode, mirror)
+            stop = self._stop_in_plane() if odd is None else None
+            path, reason = self._both_ways(name, mirror, odd, settled, stop)
+            self.paths[name] = path
+            if not isinstance(reason, str):
+                self._join(path, reason)
+            return path
         tracer, start, tension = self.buckled(mode, mirror)
         stop = self._stop_in_plane() if odd is None else end_reason(self.delta_limit)
         points, reason = collect(tracer, start, stop)
@@ -148,6 +174,20 @@ class Catalogue:
         )
         tracer = self.tracer(mirror)
         return tracer, tracer.begin(settled, frozen(held)), tension
+
+    def _loaded_start(self, mode: Mirror, mirror: Mirror) -> Settled:
+        """A state of the heavy drop, on the path that starts as the straight rod's buckling."""
+        tracer, start, _ = self.buckled(mode, mirror)
+        missed = []
+        for delta in START:
+            goal = min(delta, 0.5 * (self.parameters.length - 1.0))
+            points, _ = collect(tracer, start, end_reason(goal))
+            state = hung(points[-1].state, start.state, upside_down=self.upside_down)
+            try:
+                return loaded(state, self.parameters.weight, mirror, self.control)[0]
+            except NotConverged as error:
+                missed.append(str(error))
+        raise PathNotFound("; ".join(missed))
 
     def _close(self, path: Path, reason: object) -> None:
         """Finish a path: its end state or its joint with a plane, then its special points."""
@@ -204,9 +244,10 @@ class Catalogue:
         known = self._nearest_joint(even, flat.state, JOINT_DISTANCE)
         if known is None:
             name = f"L{round(loops(flat.state))}" if even.name != S_EVEN.name else "S"
+            name += self.ending
             while name in self.paths:
                 name += "'"
-            planar = self.paths[name] = self._both_ways(name, even, odd, flat)
+            planar = self.paths[name] = self._both_ways(name, even, odd, flat)[0]
             known = self._nearest_joint(even, flat.state, np.inf)
             if known is None:
                 path.ends = f"met {name}, where no pitchfork was found"
@@ -238,16 +279,27 @@ class Catalogue:
                     best, nearest = (planar, number, special), distance
         return best
 
-    def _both_ways(self, name: str, even: Mirror, odd: Mirror, settled: Settled) -> Path:
-        """A planar path through a settled state, its points in the sense of growing delta there."""
+    def _both_ways(
+        self,
+        name: str,
+        even: Mirror,
+        odd: Mirror | None,
+        settled: Settled,
+        stop: Callable[[Point], object] | None = None,
+    ) -> tuple[Path, object]:
+        """A path through a settled state, its points in the sense of growing delta there.
+
+        ``stop``: the stop test that way, ``end_reason`` by default; its reason is returned too.
+        """
         tracer = self.tracer(even)
         forward = frozen(col.DELTA)
         usual = end_reason(self.delta_limit)
-        up, end = collect(tracer, tracer.begin(settled, forward), usual)
+        up, end = collect(tracer, tracer.begin(settled, forward), stop or usual)
         down, begin = collect(tracer, tracer.begin(settled, -forward), usual)
         finish_at_end(tracer, up)
         finish_at_end(tracer, down)
-        path = Path(name, tracer, odd, reversed_path(down)[:-1] + up, begins=begin, ends=end)
+        path = Path(name, tracer, odd, reversed_path(down)[:-1] + up, begins=str(begin))
+        path.ends = end if isinstance(end, str) else ""
         specials = special_points(tracer, down, odd, path.remarks)
         back = [
             (i, replace(s, point=Point(s.point.settled, -s.point.tangent, -s.point.arc)))
@@ -255,17 +307,17 @@ class Catalogue:
         ]
         ahead = [(i + len(down) - 1, s) for i, s in special_points(tracer, up, odd, path.remarks)]
         path.specials = [*back, *ahead]
-        return path
+        return path, end
 
     def succession(self) -> Iterator[Path]:
         """3D, L_j, 3D-Lj, L_k, ...: the paths of lowest energy, until the outer rod runs out."""
         if self.twisted:
-            path = self._from_straight("3D", STRAIGHT_TWISTED, FULL, None)
+            path = self._from_straight("3D" + self.ending, STRAIGHT_TWISTED, FULL, None)
         else:
             origin = self.ax()
-            if not origin.pitchforks:
+            if not origin.pitchforks_ahead:
                 return
-            path = self.space_path("3D", origin, origin.pitchforks[0][0])
+            path = self.space_path("3D" + self.ending, origin, origin.pitchforks_ahead[0][0])
         yield path
         for _ in range(SUCCESSION_LIMIT):
             if len(path.joints) == 0 or path.joints[-1][0]:
@@ -320,7 +372,7 @@ class Catalogue:
             raise PathNotFound(
                 "Pt: the second mode's path does not reach the end-shortening wanted"
             )
-        lowering = self.tracer(S_EVEN, held=col.DELTA)
+        lowering = self.tracer(S_EVEN, held=(col.DELTA,))
         points, _ = collect(
             lowering,
             lowering.begin(points[-1].settled, -frozen(col.FGAMMA)),
@@ -333,21 +385,21 @@ class Catalogue:
         values = np.array([target, state.end_shortening])
         state = replace(state, parameters=self.parameters)
         settled = settle(state, S_EVEN, closing, values, control.tolerance, 20)
-        self.paths["Pt"] = self._both_ways("Pt", S_EVEN, S_ODD, settled)
+        self.paths["Pt"], _ = self._both_ways("Pt", S_EVEN, S_ODD, settled)
         return self.paths["Pt"]
 
     def triangles(self) -> Iterator[Path]:
         """'Yet other paths': space paths from the pitchforks of Ax behind the first."""
         origin = self.ax()
         count = 0
-        for number, _ in origin.pitchforks[1:]:
+        for number, _ in origin.pitchforks_ahead[1:]:
             if number in origin.partners or count == TRIANGLES:
                 continue
             count += 1
             try:
-                path = self.space_path(f"Tri{count}", origin, number)
+                path = self.space_path(f"Tri{count}{self.ending}", origin, number)
             except NotConverged as error:
-                self.missed.append(f"Tri{count}: {error}")
+                self.missed.append(f"Tri{count}{self.ending}: {error}")
                 continue
             yield path
 

@@ -14,7 +14,7 @@ from derod.errors import RecordError, shown_name
 
 DamageError = hdf5.checks.DamageError
 OLD_FORMAT = "derod-branches-1"
-FORMATS = (OLD_FORMAT, "derod-branches-2")
+FORMATS = (OLD_FORMAT, "derod-branches-2", "derod-branches-3")
 DATASETS = ("table", "bifurcations", "nodes", "eta")
 TEXTS = ("begins", "ends", "remarks", "mirror")
 MOST_BRANCHES = 1000

@@ -1,8 +1,12 @@
 """The conditions at the rod's middle, at the meniscus and at the clamp, and the jump there.
 
-Unknowns kept after the elimination, 36: U = (Y(0), Y(sigma-), Y(l/2), c_x, c_z, u3, sigma, delta,
-f_gamma). Rows, 14: eq:initcond (x, z, q_x, q_z, n_y = 0; |q| = 1; u3 from the moment), eq:bcnd-end
-(meniscus on the sphere; n_y = 0 *after* the jump) and the clamp (x, z, q_x, q_y, end rotation).
+Unknowns kept after the elimination, 37: U = (Y(0), Y(sigma-), Y(l/2), c_x, c_z, u3, sigma, delta,
+f_gamma, W). Rows, 14: eq:initcond (x, z, q_x, q_z, n_y = 0; |q| = 1; u3 from the moment), eq:bcnd-end
+(meniscus on the sphere; n_y = W/2 *after* the jump) and the clamp (x, z, q_x, q_y, end rotation).
+
+Weight: equa:saut_global, n^III - n^I + W = 0 with the vector W = (0, -W, 0), and n_y odd under the
+flip: n_y^III = -n_y^I = W/2. Each clamp carries half of the drop. The weight acts on the drop and
+not on the rod: n is continuous at the rod's middle, n_y(0) = 0, and c = m + w x n keeps c_y = 0.
 The printed d_1y(l/2) = 0 leaves the turn open; q(l/2) turned by R/2 about e_z,
 cos(R/4) q_z = sin(R/4) q_w, fixes it modulo 4 pi.
 """
@@ -14,10 +18,10 @@ from numba import njit
 
 from derod.branches.element import moment, tangent, tangent_derivative
 
-KEPT = 36
+KEPT = 37
 ROWS = 14
 NODE_0, NODE_SIGMA, NODE_END = 0, 10, 20
-CX, CZ, U3, SIGMA, DELTA, FGAMMA = 30, 31, 32, 33, 34, 35
+CX, CZ, U3, SIGMA, DELTA, FGAMMA, WEIGHT = 30, 31, 32, 33, 34, 35, 36
 
 # row numbers
 (
@@ -70,7 +74,7 @@ def jump(y, capillary, wall, out, jacobian):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, error_model="numpy")
 def conditions(U, half, k3, rotation, after, jacobian, F, J):  # type: ignore[no-untyped-def]
-    """Residuals F (14,) and their derivatives J (14, 36); ``after``, ``jacobian`` from ``jump``."""
+    """Residuals F (14,) and their derivatives J (14, 37); ``after``, ``jacobian`` from ``jump``."""
     J[:] = 0.0
     y, s, e = U[0:10], U[10:20], U[20:30]
     F[MIDDLE_X], J[MIDDLE_X, 0] = y[0], 1.0
@@ -101,7 +105,7 @@ def conditions(U, half, k3, rotation, after, jacobian, F, J):  # type: ignore[no
     F[SPHERE] = s[0] * s[0] + s[1] * s[1] + s[2] * s[2] - 0.25
     for i in range(3):
         J[SPHERE, 10 + i] = 2.0 * s[i]
-    F[SIDEWAYS] = after[8]
+    F[SIDEWAYS], J[SIDEWAYS, WEIGHT] = after[8] - 0.5 * U[WEIGHT], -0.5
     for i in range(10):
         J[SIDEWAYS, 10 + i] = jacobian[8, i]
     J[SIDEWAYS, FGAMMA] = jacobian[8, 10]

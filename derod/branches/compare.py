@@ -44,18 +44,19 @@ def relative(value: float, reference: float) -> float:
     return abs(value - reference) / max(1.0, abs(reference))
 
 
-def shape_distance(a: np.ndarray, b: np.ndarray) -> float:
+def shape_distance(a: np.ndarray, b: np.ndarray, *, turned: bool = True) -> float:
     """Largest distance of two centre lines (k, 3) after turning ``b`` about e_z, or its mirror
-    image.
+    image x -> -x.
 
-    Branches of space curves come in mirror pairs of equal energy; a run may have picked either.
+    Branches of space curves come in mirror pairs of equal energy; a run may have picked either. With
+    a weight (``turned`` false) the vertical is given, and nothing may be turned.
     """
     best = np.inf
     for mirror in (1.0, -1.0):
         x, y = b[:, 0] * mirror, b[:, 1]
-        angle = np.angle(np.sum((a[:, 0] + 1j * a[:, 1]) * (x - 1j * y)))
-        turned = (x + 1j * y) * np.exp(1j * angle)
-        gaps = np.stack([a[:, 0] - turned.real, a[:, 1] - turned.imag, a[:, 2] - b[:, 2]])
+        angle = np.angle(np.sum((a[:, 0] + 1j * a[:, 1]) * (x - 1j * y))) if turned else 0.0
+        image = (x + 1j * y) * np.exp(1j * angle)
+        gaps = np.stack([a[:, 0] - image.real, a[:, 1] - image.imag, a[:, 2] - b[:, 2]])
         best = min(best, float(np.sqrt((gaps**2).sum(axis=0)).max()))
     return best
 
@@ -106,7 +107,7 @@ def _errors(run: Any, i: int, row: np.void, landing: Landing) -> tuple[float, fl
         relative(float(row["end_tension"]), values["end_tension"]),
         relative(float(row["energy_hat"]), values["energy_hat"]),
         abs(float(row["wetted_length"]) - values["wetted_length"]),
-        shape_distance(np.asarray(run.positions(i)), curve),
+        shape_distance(np.asarray(run.positions(i)), curve, turned=landing.state.weight == 0.0),
     )
 
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Collection, Iterable
 
 from derod.branches.arc import Control
 from derod.branches.branch import Branch
-from derod.branches.catalogue import Catalogue, Path, PathNotFound
+from derod.branches.catalogue import UPSIDE_DOWN, Catalogue, Path, PathNotFound
 from derod.branches.outcome import NotConverged
 from derod.branches.parameters import Parameters
 from derod.branches.special import SpuriousPoint
@@ -19,6 +19,7 @@ FAMILIES = ("Ax", "3D", "L", "Pt", "Tri")
 
 def family(name: str) -> str:
     """The family of a path's name; raises ValueError for a name that no path has."""
+    whole, name = name, name.removesuffix(UPSIDE_DOWN)
     for head in FAMILIES:
         tail = name[len(head) :]
         if name.startswith(head) and (
@@ -28,14 +29,14 @@ def family(name: str) -> str:
         ):
             return head
     raise ValueError(
-        f"paths = {name!r}: no such path; allowed: Ax, 3D, 3D-L1, ..., L1, L2, ..., Pt, Tri1, ..., "
-        "and 3D, L, Tri for all of a kind"
+        f"paths = {whole!r}: no such path; allowed: Ax, 3D, 3D-L1, ..., L1, L2, ..., Pt, Tri1, ..., "
+        "3D, L, Tri for all of a kind, and with a heavy drop Ax-up, 3D-up, ..."
     )
 
 
 def wanted(name: str, asked: Iterable[str]) -> bool:
     """Whether a traced path is among those asked for (a bare family name asks for all of it)."""
-    return any(name == one or (one in ("3D", "L", "Tri") and family(name) == one) for one in asked)
+    return any(name == one or (one in FAMILIES and family(name) == one) for one in asked)
 
 
 @one_blas_thread
@@ -57,7 +58,9 @@ def compute_branches(
     """
     asked = list(paths) if paths is not None else list(FAMILIES)
     families = {family(name) for name in asked}
-    catalogue = Catalogue(parameters, control)
+    catalogues = [Catalogue(parameters, control)]
+    if parameters.weight != 0.0:
+        catalogues.append(Catalogue(parameters, control, upside_down=True))
     complaints: list[str] = []
 
     def report(path: Path) -> None:
@@ -69,34 +72,47 @@ def compute_branches(
         for remark in path.remarks:
             progress(f"         {remark}")
 
-    def trace(name: str, work: Callable[[], Iterable[Path]]) -> None:
+    def trace(name: str, work: Callable[[], Iterable[Path]]) -> bool:
         try:
             for path in work():
                 report(path)
         except (PathNotFound, NoBuckling, NotConverged, SpuriousPoint) as error:
             complaints.append(f"{name}: {error}")
+            return False
+        return True
 
-    planar_start = not catalogue.twisted
-    if planar_start and families & {"Ax", "3D", "L", "Tri"}:
-        trace("Ax", lambda: [catalogue.ax()])
-    if families & {"3D", "L"} and not complaints:
-        trace("3D", catalogue.succession)
-    if "Pt" in families and planar_start:
-        trace("Pt", lambda: [catalogue.pt()])
-    if "Tri" in families and planar_start and "Ax" in catalogue.paths:
-        trace("Tri", catalogue.triangles)
-    complaints += catalogue.missed
     branches = []
-    for name, path in catalogue.paths.items():
-        if wanted(name, asked) and name not in have:
-            branches.append(catalogue.store(path, count_modes))
-            keep(branches[-1])
+    for catalogue in catalogues:
+        _trace_all(catalogue, families, trace)
+        complaints += catalogue.missed
+        for name, path in catalogue.paths.items():
+            if wanted(name, asked) and name not in have:
+                branches.append(catalogue.store(path, count_modes))
+                keep(branches[-1])
     if paths is not None:
         found = [*have, *(branch.name for branch in branches)]
-        followed = ", ".join(catalogue.paths)
+        followed = ", ".join(name for catalogue in catalogues for name in catalogue.paths)
         complaints += [
             f"{one}: not met by the paths followed ({followed})"
             for one in asked
             if not any(wanted(name, [one]) for name in found)
         ]
     return branches, complaints
+
+
+def _trace_all(
+    catalogue: Catalogue,
+    families: set[str],
+    trace: Callable[[str, Callable[[], Iterable[Path]]], bool],
+) -> None:
+    """Trace the families of one catalogue; a point-symmetric curve carries no weight."""
+    planar_start, ending = not catalogue.twisted, catalogue.ending
+    sound = True
+    if planar_start and families & {"Ax", "3D", "L", "Tri"}:
+        sound = trace("Ax" + ending, lambda: [catalogue.ax()])
+    if families & {"3D", "L"} and sound:
+        trace("3D" + ending, catalogue.succession)
+    if "Pt" in families and planar_start and catalogue.parameters.weight == 0.0:
+        trace("Pt", lambda: [catalogue.pt()])
+    if "Tri" in families and planar_start and "Ax" + ending in catalogue.paths:
+        trace("Tri" + ending, catalogue.triangles)

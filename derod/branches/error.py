@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from derod.branches.arc import Point, Tracer, frozen
+from derod.branches.arc import Point, Tracer
 from derod.branches.linear import Reduced, linearise
 from derod.branches.mesh import adapted, halved
 from derod.branches.newton import settle
@@ -25,7 +25,7 @@ def halving_error(tracer: Tracer, state: HalfRod, tangent: np.ndarray) -> float:
     The state is solved again in the hyperplane across the path (normal ``tangent``), so that
     folds are no exception. Raises NotConverged.
     """
-    closing = np.stack([frozen(tracer.held), tracer.metric * tangent])
+    closing = tracer.closing(tangent)
     values = closing @ state.kept
     a, b = observables(state), observables(_on_halved_mesh(tracer, state, closing, values))
     return max(
@@ -55,7 +55,7 @@ def refined(tracer: Tracer, point: Point) -> tuple[HalfRod, float]:
 
     The error is nan where no refinement could be solved.
     """
-    closing = np.stack([frozen(tracer.held), tracer.metric * point.tangent])
+    closing = tracer.closing(point.tangent)
     values = closing @ point.state.kept
     state, best, error = point.state, point.state, np.inf
     for factor in REFINEMENTS:

@@ -57,4 +57,5 @@ def _constants(file: BranchFile) -> str:
     return (
         f"l = {p.length:g}, k3 = {p.twisting:g}, f_gamma = {p.capillary_force:g}, "
         f"v0 = {p.wall_strength:g}, rho = {p.wall_softness:g}, R = {p.end_rotation:g}"
+        + (f", W = {p.weight:g}" if p.weight else "")
     )

@@ -1,6 +1,6 @@
 """The piece of a branch between two stored points, as a function of its projection on their chord.
 
-U(x), 0 <= x <= L: the kept unknowns (36) whose projection on the chord from the start to the other
+U(x), 0 <= x <= L: the kept unknowns (37) whose projection on the chord from the start to the other
 point is x. Steps along a path turn its tangent by less than 0.75 rad, so that this is one state for
 each x, folds and all; and planar states lie at x = L only where the other point is a pitchfork that
 the space path leaves the plane at, however flat the path is there. Held end-shortening is neither.
@@ -45,7 +45,7 @@ class Place:
 
     x: float
     settled: Settled
-    rate: np.ndarray  # (36,) dU/dx
+    rate: np.ndarray  # (37,) dU/dx
 
     @property
     def state(self) -> HalfRod:

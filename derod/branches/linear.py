@@ -29,7 +29,7 @@ class Elements:
     jump_jacobian: np.ndarray  # (10, 11)
     meniscus_force: float  # f_B
     rows: np.ndarray  # (14,)
-    rows_jacobian: np.ndarray  # (14, 36)
+    rows_jacobian: np.ndarray  # (14, 37)
     gap: float  # least 1 + rho - 2 r
     residual: float  # largest of all equations
 
@@ -78,8 +78,8 @@ def linearise(state: HalfRod) -> Elements:
 class Reduced:
     """The chain of one mirror class eliminated to a dense system in the kept unknowns.
 
-    ``matrix`` (e, 36) and ``right`` (e,): chain relations and conditions of this class, all
-    columns. ``columns``: the kept unknowns of this class, without delta and f_gamma.
+    ``matrix`` (e, 37) and ``right`` (e,): chain relations and conditions of this class, all
+    columns. ``columns``: the kept unknowns of this class, without delta, f_gamma and W.
     """
 
     def __init__(self, elements: Elements, mirror: Mirror = FULL) -> None:
@@ -125,19 +125,20 @@ class Reduced:
         return self.sign * float(np.linalg.det(self.square()))
 
     def solve(self, closing: np.ndarray, values: np.ndarray) -> np.ndarray:
-        """Kept unknowns' increments (k, 36) for rows ``closing`` (2, 36) with right-hand sides.
+        """Kept unknowns' increments (k, 37) for rows ``closing`` (c, 37) with right-hand sides.
 
-        ``values`` (k, 3): the two closing rows' values, and 1 for a Newton step or 0 for a
-        derivative. Raises LinAlgError where the matrix is singular.
+        Two closing rows leave the weight as it is, with three it is one more unknown. ``values``
+        (k, c + 1): the closing rows' values, and 1 for a Newton step or 0 for a derivative. Raises
+        LinAlgError where the matrix is singular.
         """
-        columns = self.mirror.closed
+        columns = self.mirror.closed if len(closing) == 2 else self.mirror.loaded
         count = self.right.size
-        matrix = np.empty((count + 2, columns.size))
-        matrix[:-2] = self.matrix[:, columns]
-        matrix[-2:] = closing[:, columns]
-        right = np.empty((count + 2, values.shape[0]))
-        right[:-2] = self.right[:, None] * values[:, 2]
-        right[-2:] = values[:, :2].T
+        matrix = np.empty((count + len(closing), columns.size))
+        matrix[:count] = self.matrix[:, columns]
+        matrix[count:] = closing[:, columns]
+        right = np.empty((count + len(closing), values.shape[0]))
+        right[:count] = self.right[:, None] * values[:, -1]
+        right[count:] = values[:, :-1].T
         _, _, solution, singular = dgesv(matrix, right)
         if singular:
             raise np.linalg.LinAlgError("singular matrix")

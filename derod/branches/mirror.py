@@ -31,7 +31,7 @@ class Mirror:
 
     @cached_property
     def kept(self) -> np.ndarray:
-        """Columns of this class among the 36 kept unknowns, without delta and f_gamma."""
+        """Columns of this class among the 37 kept unknowns, without delta, f_gamma and W."""
         d = self.states
         return np.concatenate([d, 10 + d, 20 + d, self.parameters + 20])
 
@@ -39,6 +39,16 @@ class Mirror:
     def closed(self) -> np.ndarray:
         """Columns of this class with delta and f_gamma."""
         return np.concatenate([self.kept, [row.DELTA, row.FGAMMA]])
+
+    @property
+    def carries_weight(self) -> bool:
+        """Whether states of this class can balance a weight: n_y = W/2 is among their conditions."""
+        return row.SIDEWAYS in self.conditions
+
+    @cached_property
+    def loaded(self) -> np.ndarray:
+        """Columns of this class with delta, f_gamma and W."""
+        return np.concatenate([self.closed, [row.WEIGHT]])
 
 
 def _mirror(name: str, states: list[int], parameters: list[int], conditions: list[int]) -> Mirror:
@@ -137,3 +147,9 @@ STRAIGHT_TWISTED = _mirror(
 
 PLANES = ((LOOP_EVEN, LOOP_ODD), (LOOP_BACK_EVEN, LOOP_BACK_ODD), (S_EVEN, S_ODD))
 """(even, odd) classes of the planar states."""
+
+
+def planes(weight: float) -> tuple[tuple[Mirror, Mirror], ...]:
+    """The classes of PLANES that a drop of this weight has: a point-symmetric curve lies in a
+    horizontal plane, and cannot carry any."""
+    return PLANES if weight == 0.0 else PLANES[:2]

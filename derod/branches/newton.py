@@ -35,7 +35,9 @@ def settle(
     tolerance: float = TOLERANCE,
     max_iterations: int = MAX_ITERATIONS,
 ) -> Settled:
-    """Solve the half-rod equations closed by ``closing`` (2, 36) . kept unknowns = ``values`` (2,).
+    """Solve the half-rod equations closed by ``closing`` (c, 37) . kept unknowns = ``values`` (c,).
+
+    c = 2, or 3 where the weight is an unknown (``Reduced.solve``).
 
     Ends when no equation's residual exceeds ``tolerance``; the linearisation returned is that of
     the final state. Raises NotConverged after ``max_iterations``, at the wall, or on a singular
@@ -53,7 +55,7 @@ def settle(
         if iteration == max_iterations:
             break
         try:
-            kept = reduced.solve(closing, np.array([[missing[0], missing[1], 1.0]]))[0]
+            kept = reduced.solve(closing, np.array([[*missing, 1.0]]))[0]
         except np.linalg.LinAlgError as error:
             raise NotConverged("singular Jacobian") from error
         step = reduced.expand(kept, 1.0)

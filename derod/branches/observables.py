@@ -25,7 +25,7 @@ def observables(state: HalfRod) -> dict[str, float]:
     """End-shortening, tension, energies (K0/D), wetted length, meniscus force and drop_y of a
     state.
 
-    Energies are of the whole rod. E_tot = bend + twist + wall - f_gamma (s_B - s_A),
+    Energies are of the whole rod. E_tot = bend + twist + wall - f_gamma (s_B - s_A) + W y_C,
     E_hat = E_tot + f_gamma (delta + 1); meniscus_force is f_B (eq:bcnd-end, toward the drop's
     centre); drop_y is y_C, measured from the clamp axis.
     """
@@ -40,7 +40,8 @@ def observables(state: HalfRod) -> dict[str, float]:
     gap = 1.0 + prm.wall_softness - 2.0 * np.linalg.norm(fields.places[wet], axis=2)
     wall = 2.0 * float(np.sum(weights[wet] * prm.wall_strength / gap))
     capillary_force = float(state.scalars[5])
-    total = bend + twist + wall - 2.0 * capillary_force * state.sigma
+    drop_y = -float(state.nodes[-1, 1])
+    total = bend + twist + wall - 2.0 * capillary_force * state.sigma + state.weight * drop_y
     delta = state.end_shortening
     after, jacobian = np.empty(10), np.empty((10, 11))
     force = jump(state.nodes[state.inner], capillary_force, prm.meniscus_wall, after, jacobian)
@@ -54,7 +55,7 @@ def observables(state: HalfRod) -> dict[str, float]:
         "energy_wall": wall,
         "wetted_length": 2.0 * state.sigma,
         "meniscus_force": float(force),
-        "drop_y": -float(state.nodes[-1, 1]),
+        "drop_y": drop_y,
         "wall_gap": fields.gap,
     }
 

@@ -25,6 +25,7 @@ class Parameters:
     wall_strength: float = 2e-4  # v0
     wall_softness: float = 0.1  # rho
     end_rotation: float = 0.0  # R
+    weight: float = 0.0  # W of the drop, along -e_y
     bending: float = 1.0
     """K/K0: all of the above is in units of K; what is reported is multiplied back to units of
     K0."""
@@ -43,13 +44,16 @@ class Parameters:
         """The same rod in another liquid."""
         return replace(self, capillary_force=value)
 
+    def with_weight(self, value: float) -> Parameters:
+        """The same rod with a heavier or lighter drop (W, K0/D^2)."""
+        return replace(self, weight=value)
+
     @classmethod
     def from_scene(cls, scene: Scene) -> Parameters:
         """Take the numbers of a scene, forces divided by its bending stiffness.
 
-        Raises SceneError for a drop with weight or a rod with two bending stiffnesses (the
-        flip-symmetric equations hold for isotropic rods and weightless drops only), and for a drop
-        without capillary force or wall.
+        Raises SceneError for a rod with two bending stiffnesses (the flip-symmetric equations are
+        those of isotropic rods), and for a drop without capillary force or wall.
         """
         check_one_stiffness(scene)
         bending = scene.rod.bending
@@ -60,14 +64,6 @@ class Parameters:
                 key="rod.bending",
                 value=bending,
                 allowed="one number",
-            )
-        if scene.require_drop().weight != 0.0:
-            raise SceneError(
-                "has no branches: the paper's boundary-value problem is for a weightless drop",
-                file=scene.path,
-                key="drop.weight",
-                value=scene.require_drop().weight,
-                allowed="0",
             )
         for key in ("capillary_force", "wall_strength"):
             value = getattr(scene.require_drop(), key)
@@ -86,5 +82,6 @@ class Parameters:
             wall_strength=scene.require_drop().wall_strength / bending,
             wall_softness=scene.require_drop().wall_softness,
             end_rotation=scene.clamps.end_rotation,
+            weight=scene.require_drop().weight / bending,
             bending=bending,
         )

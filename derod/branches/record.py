@@ -6,7 +6,8 @@ Layout: attributes ``format``, ``parameters`` (one dataset of the dimensionless 
 (the half rod's node states and element lengths of all points, one after another) and
 ``bifurcations``. ``check`` is the checksum of a group, and at the root of all but the groups. Every branch
 is written as it is done, in one step; the attribute ``complete`` is true when all that were asked for are
-there. Files of derod 0.1 (format 1) have neither.
+there. Files of derod 0.1 (format 1) have neither. Files before format 3 have no ``weight`` among the
+parameters: 0.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
     from derod.branches.branch import Branch
     from derod.plots.picture import Picture
 
-FORMAT = "derod-branches-2"
+FORMAT = checking.FORMATS[-1]
 POINT = np.dtype(
     [
         ("end_shortening", "f8"),  # delta, D
@@ -95,7 +96,7 @@ def write_branch(group: h5py.Group, branch: Branch) -> None:
         row["unstable_modes"] = point.unstable_modes
         row["elements"] = point.state.eta.size
         row["inner"] = point.state.inner
-        row["scalars"] = point.state.scalars
+        row["scalars"] = point.state.scalars[:6]  # the weight is an attribute of the file
     bifurcations = np.zeros(len(branch.bifurcations), BIFURCATION)
     for row, special in zip(bifurcations, branch.bifurcations, strict=True):
         at = table[special.index]
@@ -130,9 +131,14 @@ class BranchFile:
             raise
 
     def _read_head(self, path: str) -> None:
-        self.checksummed = checking.format_of(path, self._file) == FORMAT
+        found = checking.format_of(path, self._file)
+        self.checksummed = found != checking.OLD_FORMAT
         attrs = hdf5.checks.attributes(self._file)
-        numbers = {f.name: checking.number(attrs, f.name) for f in fields(Parameters)}
+        numbers = {
+            f.name: checking.number(attrs, f.name)
+            for f in fields(Parameters)
+            if f.name != "weight" or found == FORMAT
+        }
         self.parameters = Parameters(**numbers)
         self.scene_text = str(attrs.get("scene", ""))
         self.names = checking.branch_names(self._file)

@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 from derod.branches import closure as col
 from derod.branches.arc import Point, Tracer, frozen
 from derod.branches.linear import Reduced
-from derod.branches.mirror import FULL, PLANES, Mirror
+from derod.branches.mirror import FULL, Mirror, planes
 from derod.branches.newton import Settled, settle
 from derod.branches.outcome import NotConverged
 from derod.branches.state import HalfRod, Increment
@@ -102,7 +102,7 @@ def branch_off(
     special: SpecialPoint, control_tolerance: float, side: float = 1.0, amplitude: float = 0.02
 ) -> tuple[Settled, np.ndarray]:
     """A state of the space path that leaves a planar one at a pitchfork, and its outward
-    direction (36,).
+    direction (37,).
 
     The largest kept component of the null vector is held at ``side * amplitude``; ``side`` = -1
     gives the mirror image.
@@ -129,7 +129,7 @@ def crossed_plane(before: HalfRod, after: HalfRod) -> tuple[Mirror, Mirror] | No
 
     Through a pitchfork all out-of-plane unknowns change sign together.
     """
-    for even, odd in PLANES:
+    for even, odd in planes(before.weight):
         a, b = odd_part(before, odd), odd_part(after, odd)
         if a @ b < -0.7 * np.linalg.norm(a) * np.linalg.norm(b):
             return even, odd
@@ -143,7 +143,7 @@ def flattened(state: HalfRod, even: Mirror, tolerance: float) -> Settled:
     turns = even.states[(even.states >= 3) & (even.states < 7)]
     stages[:, :, turns - 3] = state.stages[:, :, turns - 3]
     scalars = np.zeros_like(state.scalars)
-    held = np.concatenate([even.parameters - 10, [4, 5]])
+    held = np.concatenate([even.parameters - 10, [4, 5, 6]])
     scalars[held] = state.scalars[held]
     flat = HalfRod(state.parameters, state.eta, state.inner, nodes, stages, scalars)
     closing = np.stack([frozen(col.FGAMMA), frozen(col.DELTA)])

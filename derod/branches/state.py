@@ -18,8 +18,9 @@ class HalfRod:
     ``eta`` (E,): element lengths, fractions of [0, sigma] for the first ``inner`` elements and of
     [sigma, l/2] for the rest. ``nodes`` (E+2, 10): w = r - r_C, q, n at element ends, the meniscus
     twice (before and after the jump). ``stages`` (E, m, 4): quaternions at the Gauss points.
-    ``scalars`` (6,): c_x, c_z, u3, sigma, delta, f_gamma (f_gamma may differ from the parameters'
-    own while a path is sought at another capillary force). Arrays are not changed once they are here.
+    ``scalars`` (7,): c_x, c_z, u3, sigma, delta, f_gamma, W (f_gamma and W may differ from the
+    parameters' own while a path is sought in another liquid, or with a lighter drop). Arrays are not
+    changed once they are here.
     """
 
     parameters: Parameters
@@ -40,13 +41,18 @@ class HalfRod:
         return float(self.scalars[4])
 
     @property
+    def weight(self) -> float:
+        """W, the weight of the drop (K0/D^2)."""
+        return float(self.scalars[6])
+
+    @property
     def end_tension(self) -> float:
         """T = n(l/2) . d_3(l/2) = n_z(l/2) (K0/D^2)."""
         return float(self.nodes[-1, 9])
 
     @cached_property
     def kept(self) -> np.ndarray:
-        """The 36 unknowns of ``closure``."""
+        """The 37 unknowns of ``closure``."""
         ends = self.nodes[[0, self.inner, -1]].ravel()
         return np.concatenate([ends, self.scalars])
 
@@ -71,6 +77,10 @@ class HalfRod:
             stages=self.stages + factor * step.stages,
             scalars=self.scalars + factor * step.scalars,
         )
+
+    def with_parameters(self, parameters: Parameters) -> HalfRod:
+        """This state as one of the problem with other parameters (f_gamma, W, stay the state's)."""
+        return replace(self, parameters=parameters)
 
     def set_scalar(self, column: int, value: float) -> HalfRod:
         """This state with one of the kept scalars (``closure.SIGMA``...) replaced."""

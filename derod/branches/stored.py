@@ -67,7 +67,7 @@ class StoredBranch:
             int(row["inner"]),
             nodes,
             np.empty((eta.size, STAGES, 4)),
-            row["scalars"].copy(),
+            np.append(row["scalars"], self.parameters.weight),
         )
         state.stages[:] = _stage_guess(state)
         return state

@@ -25,7 +25,11 @@ class NoBuckling(ArithmeticError):  # noqa: N818 - an outcome, not a fault
 def straight_state(
     parameters: Parameters, tension: float, inner: int = 16, outer: int = 16
 ) -> HalfRod:
-    """The straight rod under an end tension (K0/D^2), twisted by R/l, drop at its middle."""
+    """The straight rod under an end tension (K0/D^2), twisted by R/l, a weightless drop at its middle.
+
+    With a weight the straight rod is no equilibrium: heavy paths start from the weightless ones
+    (``weight``), and the state says W = 0 whatever the parameters' own.
+    """
     prm = parameters
     half = 0.5 * prm.length
     # graded toward the middle (the wall's cone) and toward the meniscus
@@ -35,7 +39,7 @@ def straight_state(
     sigma = 0.5
     twist = prm.end_rotation / prm.length
     scalars = np.array(
-        [0.0, prm.twisting * twist, twist, sigma, 0.0, prm.capillary_force], dtype=float
+        [0.0, prm.twisting * twist, twist, sigma, 0.0, prm.capillary_force, 0.0], dtype=float
     )
 
     def places(eta_part: np.ndarray, ends: np.ndarray, start: float, length: float) -> np.ndarray:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from derod.branches import closure as col
@@ -15,15 +17,25 @@ REFLECTION = (-1, 1, 1, 1, 1, -1, -1, -1, 1, 1)
 """Signs of (w, q, n) under x -> -x; moments and q's vector part are pseudo-vectors."""
 
 
-def images(kept: np.ndarray) -> list[np.ndarray]:
-    """The eight vectors (36,) of kept unknowns that are this state turned, reflected, or with -q.
+def half_turned(state: HalfRod) -> HalfRod:
+    """The state turned by pi about the clamp axis; its weight then pulls the other way."""
+    signs = np.array(HALF_TURN, dtype=float)
+    scalars = state.scalars * [-1.0, 1.0, 1.0, 1.0, 1.0, 1.0, -1.0]
+    return replace(
+        state, nodes=state.nodes * signs, stages=state.stages * signs[3:7], scalars=scalars
+    )
 
-    The half turn about e_z changes the sign of c_x, the reflection x -> -x those of c_z and u3.
+
+def images(kept: np.ndarray) -> list[np.ndarray]:
+    """The eight vectors (37,) of kept unknowns that are this state turned, reflected, or with -q.
+
+    The half turn about e_z changes the sign of c_x and of the weight (with a weight it is no symmetry,
+    and there are four images), the reflection x -> -x those of c_z and u3.
     Reflected states solve the same problem where the end rotation is 0 or 2 pi, where alone there
     are planar states.
     """
     out = []
-    for turned in (False, True):
+    for turned in (False, True) if kept[col.WEIGHT] == 0.0 else (False,):
         for reflected in (False, True):
             for sign in (1.0, -1.0):
                 node = np.ones(10)
@@ -42,7 +54,7 @@ def images(kept: np.ndarray) -> list[np.ndarray]:
 
 
 def nearest_image(kept: np.ndarray, other: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """The image (36,) of ``kept`` nearest to ``other`` in a metric of squared ``weights`` (36,)."""
+    """The image (37,) of ``kept`` nearest to ``other`` in a metric of squared ``weights`` (37,)."""
     return min(images(kept), key=lambda image: float(weights @ (image - other) ** 2))
 
 

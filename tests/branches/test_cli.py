@@ -64,17 +64,12 @@ def test_bad_input_gives_two(words, message, capsys, tmp_path, monkeypatch):
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize(
-    ("line", "key"),
-    [("wall_softness = 0.1", "drop.weight"), ("bending = 1 ", "rod.bending")],
-)
-def test_scenes_outside_the_papers_problem(line, key, tmp_path, capsys):
+def test_scenes_outside_the_papers_problem(tmp_path, capsys):
     text = (RUNS / "paper-text.toml").read_text()
-    new = f"{line}\nweight = 0.5" if key == "drop.weight" else "bending = [1, 2] "
     scene = tmp_path / "other.toml"
-    scene.write_text(text.replace(line, new, 1))
+    scene.write_text(text.replace("bending = 1 ", "bending = [1, 2] ", 1))
     assert run("branch", scene, "-o", tmp_path / "x.h5") == 2
-    assert key in capsys.readouterr().err
+    assert "rod.bending" in capsys.readouterr().err
 
 
 def test_shares_no_code_with_the_rod():
