@@ -20,8 +20,8 @@ from derod.outputs import RefusedError
 METHODS = ("implicit", "elliptic", "fire", "kinetic")
 
 COMMANDS: tuple[str, ...] = (
-    "derod.branches.cli:add_branch_parser",
-    "derod.branches.cli:add_compare_parser",
+    "derod.branches:add_branch_parser",
+    "derod.branches:add_compare_parser",
     "derod.stream.cli:add_view_parser",
     "derod.plots.cli:add_plot_parser",
     "derod.plots.cli:add_movie_parser",

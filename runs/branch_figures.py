@@ -28,17 +28,17 @@ import derod
 # isort: split
 import numpy as np
 
-from derod.branches import closure as col
-from derod.branches.arc import Control, Point, Tracer, frozen
-from derod.branches.branch import collect
-from derod.branches.catalogue import Catalogue
-from derod.branches.compute import compute_branches
-from derod.branches.error import halving_error
-from derod.branches.mirror import LOOP_EVEN, STRAIGHT_LOOP
-from derod.branches.newton import settle
-from derod.branches.parameters import Parameters
-from derod.branches.record import open_branches, write_branches
-from derod.branches.special import fold_function, locate
+from derod.branches.files.record import open_branches, write_branches
+from derod.branches.half_rod import closure as col
+from derod.branches.half_rod.mirror import LOOP_EVEN, STRAIGHT_LOOP
+from derod.branches.half_rod.parameters import Parameters
+from derod.branches.paths.arc import Control, Point, Tracer, frozen
+from derod.branches.paths.branch import collect
+from derod.branches.paths.catalogue import Catalogue
+from derod.branches.paths.compute import compute_branches
+from derod.branches.paths.error import halving_error
+from derod.branches.paths.newton import settle
+from derod.branches.paths.special import fold_function, locate
 from derod.scene import load_scene
 
 HERE = Path(__file__).parent
@@ -257,8 +257,8 @@ def long() -> None:
 
 def compare() -> None:
     """``derod compare`` of the default pushes, and of twice and half the edges for the rate."""
-    from derod.branches.compare import compare as hold
-    from derod.branches.compare import worst
+    from derod.branches.files.compare import compare as hold
+    from derod.branches.files.compare import worst
 
     for scene in SCENES:
         errors = {}

@@ -13,7 +13,7 @@ import sys
 
 import numpy as np
 
-from derod.branches.record import BranchFile, open_branches
+from derod.branches.files.record import BranchFile, open_branches
 
 
 def differences(before: BranchFile, after: BranchFile) -> list[str]:

@@ -12,7 +12,7 @@ from hard.checks import Check
 from scipy.interpolate import CubicSpline
 
 import derod
-from derod.branches.record import open_branches
+from derod.branches.files.record import open_branches
 from derod.core.layout import S_A, S_B, X_C
 from derod.relax import make_relaxer, relax
 from derod.stability import analyse

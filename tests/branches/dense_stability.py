@@ -1,4 +1,4 @@
-"""The second variation as one dense matrix: the reference of ``derod.branches.second_variation``.
+"""The second variation as one dense matrix: the reference of ``derod.branches.half_rod.second_variation``.
 
 Variations of the whole rod at fixed clamps: frames turn by phi(s), the centre line moves by rho
 with rho' = phi x d_3, the drop's centre by rho_C, the menisci by b along the rod. To second order
@@ -22,12 +22,12 @@ from __future__ import annotations
 import numpy as np
 from scipy.linalg.lapack import dsytrf
 
-from derod.branches.closure import jump
-from derod.branches.element import moment, tangent
-from derod.branches.fields import evaluate_fields, interpolate
-from derod.branches.gauss import MATRIX, NODES, WEIGHTS
-from derod.branches.mesh import adapted
-from derod.branches.state import HalfRod
+from derod.branches.half_rod.closure import jump
+from derod.branches.half_rod.element import moment, tangent
+from derod.branches.half_rod.fields import evaluate_fields, interpolate
+from derod.branches.half_rod.gauss import MATRIX, NODES, WEIGHTS
+from derod.branches.half_rod.mesh import adapted
+from derod.branches.half_rod.state import HalfRod
 
 PENALTY = 1e6
 """On the constraints; their kernel is reached as it grows."""

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from derod.branches.cli import add_branch_parser, add_compare_parser
+from derod.branches.files.cli import add_branch_parser, add_compare_parser
 
 RUNS = Path(__file__).parents[2] / "runs"
 PACKAGE = Path(__file__).parents[2] / "derod" / "branches"
@@ -75,7 +75,7 @@ def test_scenes_outside_the_papers_problem(tmp_path, capsys):
 def test_shares_no_code_with_the_rod():
     """Agreement with the discrete rod is evidence only while nothing is shared."""
     allowed = {"derod.branches", "derod.errors", "derod.scene"}
-    for path in PACKAGE.glob("*.py"):
+    for path in PACKAGE.rglob("*.py"):
         for node in ast.walk(ast.parse(path.read_text())):
             names = []
             if isinstance(node, ast.Import):

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from derod.branches import closure as col
-from derod.branches.closure import conditions, jump
-from derod.branches.element import tangent
+from derod.branches.half_rod import closure as col
+from derod.branches.half_rod.closure import conditions, jump
+from derod.branches.half_rod.element import tangent
 
 
 def node(rng):

@@ -8,13 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from derod.branches.interval import Interval, solved
-from derod.branches.landing import LandingError, intervals
-from derod.branches.observables import observables
-from derod.branches.outcome import NotConverged
-from derod.branches.parameters import Parameters
-from derod.branches.record import open_branches, write_branches
-from derod.branches.symmetry import images, plane
+from derod.branches.files.record import open_branches, write_branches
+from derod.branches.half_rod.observables import observables
+from derod.branches.half_rod.outcome import NotConverged
+from derod.branches.half_rod.parameters import Parameters
+from derod.branches.half_rod.symmetry import images, plane
+from derod.branches.paths.interval import Interval, solved
+from derod.branches.paths.landing import LandingError, intervals
 from derod.errors import DerodError
 
 RUNS = Path(__file__).parents[2] / "runs"

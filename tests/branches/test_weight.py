@@ -7,24 +7,25 @@ import numpy as np
 import pytest
 
 from derod import hdf5
-from derod.branches import Parameters, checking, heavy_states
-from derod.branches import closure as col
-from derod.branches.arc import Control, frozen
-from derod.branches.catalogue import Catalogue, PathNotFound
-from derod.branches.compare import check_same_rod, shape_distance
-from derod.branches.compute import compute_branches, family
-from derod.branches.fields import evaluate_fields
-from derod.branches.gauss import WEIGHTS
-from derod.branches.landing import states_at
-from derod.branches.mesh import adapted, halved
-from derod.branches.mirror import FULL, LOOP_EVEN, S_EVEN, planes
-from derod.branches.newton import settle
-from derod.branches.observables import observables
-from derod.branches.outcome import NotConverged
-from derod.branches.record import open_branches, write_branches
-from derod.branches.stability import stability
-from derod.branches.symmetry import half_turned, images
-from derod.branches.weight import FIXED, hung, loaded
+from derod.branches import Parameters, heavy_states
+from derod.branches.files import checking
+from derod.branches.files.compare import check_same_rod, shape_distance
+from derod.branches.files.record import open_branches, write_branches
+from derod.branches.half_rod import closure as col
+from derod.branches.half_rod.fields import evaluate_fields
+from derod.branches.half_rod.gauss import WEIGHTS
+from derod.branches.half_rod.mesh import adapted, halved
+from derod.branches.half_rod.mirror import FULL, LOOP_EVEN, S_EVEN, planes
+from derod.branches.half_rod.observables import observables
+from derod.branches.half_rod.outcome import NotConverged
+from derod.branches.half_rod.symmetry import half_turned, images
+from derod.branches.paths.arc import Control, frozen
+from derod.branches.paths.catalogue import Catalogue, PathNotFound
+from derod.branches.paths.compute import compute_branches, family
+from derod.branches.paths.landing import states_at
+from derod.branches.paths.newton import settle
+from derod.branches.paths.stability import stability
+from derod.branches.paths.weight import FIXED, hung, loaded
 from derod.errors import SceneError
 from tests.branches.dense_stability import SecondVariation, dense_modes
 
