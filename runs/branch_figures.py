@@ -28,17 +28,19 @@ import derod
 # isort: split
 import numpy as np
 
-from derod.branches.files.record import open_branches, write_branches
+from derod.branches.files.record import open_branches
+from derod.branches.files.writing import write_branches
 from derod.branches.half_rod import closure as col
 from derod.branches.half_rod.mirror import LOOP_EVEN, STRAIGHT_LOOP
 from derod.branches.half_rod.parameters import Parameters
 from derod.branches.paths.arc import Control, Point, Tracer, frozen
-from derod.branches.paths.branch import collect
+from derod.branches.paths.beginning import buckled
 from derod.branches.paths.catalogue import Catalogue
 from derod.branches.paths.compute import compute_branches
 from derod.branches.paths.error import halving_error
 from derod.branches.paths.newton import settle
 from derod.branches.paths.special import fold_function, locate
+from derod.branches.paths.tracing import collect
 from derod.scene import load_scene
 
 HERE = Path(__file__).parent
@@ -93,7 +95,7 @@ def paths() -> None:
 
 def ax_start(own: Parameters, control: Control) -> tuple[Tracer, Point]:
     """Ax at 0.02 pi."""
-    early, start, _ = Catalogue(own, control).buckled(STRAIGHT_LOOP, LOOP_EVEN)
+    early, start, _ = buckled(own, control, STRAIGHT_LOOP, LOOP_EVEN)
     points, _ = collect(early, start, lambda p: p.state.end_shortening > 0.02 * np.pi or None)
     tracer = Tracer(LOOP_EVEN, control, own.capillary_force)
     closing = np.stack([frozen(col.FGAMMA), frozen(col.DELTA)])

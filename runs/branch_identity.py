@@ -32,8 +32,8 @@ def differences(before: BranchFile, after: BranchFile) -> list[str]:
         ]
         other = [column for column in a.table.dtype.names or () if column not in same]
         other += [
-            part.strip("_")
-            for part in ("bifurcations", "_nodes", "_eta")
+            part
+            for part in ("bifurcations", "all_nodes", "all_eta")
             if not np.array_equal(getattr(a, part), getattr(b, part))
         ]
         print(f"{name:8s} {len(a):4d} points: {', '.join(other) or 'the same'}")

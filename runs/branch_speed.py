@@ -24,7 +24,8 @@ from pathlib import Path
 import numpy as np
 from bench.old import old_sources
 
-from derod.branches.files.record import BranchFile, StoredBranch, open_branches
+from derod.branches.files.record import BranchFile, open_branches
+from derod.branches.files.stored import StoredBranch
 from derod.branches.paths.landing import LandingError
 from derod.branches.paths.stability import clamp_moment
 

@@ -33,7 +33,9 @@ import itertools
 
 import numpy as np
 
-from derod.branches.files.record import StoredBranch, open_branches, write_branches
+from derod.branches.files.record import open_branches
+from derod.branches.files.stored import StoredBranch
+from derod.branches.files.writing import write_branches
 from derod.branches.half_rod import closure as col
 from derod.branches.half_rod.mesh import RESOLUTION, adapted, halved
 from derod.branches.half_rod.mirror import FULL
@@ -44,9 +46,10 @@ from derod.branches.half_rod.state import HalfRod
 from derod.branches.half_rod.symmetry import plane
 from derod.branches.paths.arc import Control, Point, Tracer, frozen
 from derod.branches.paths.compute import compute_branches
+from derod.branches.paths.joints import crossed_plane
 from derod.branches.paths.landing import LandingError
 from derod.branches.paths.newton import settle
-from derod.branches.paths.special import crossed_plane, locate
+from derod.branches.paths.special import locate
 from derod.scene import load_scene
 
 HERE = Path(__file__).parent

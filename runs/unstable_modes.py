@@ -27,12 +27,14 @@ import derod
 # isort: split
 import numpy as np
 
-from derod.branches.files.record import StoredBranch, open_branches, write_branches
+from derod.branches.files.record import open_branches
+from derod.branches.files.stored import StoredBranch
+from derod.branches.files.writing import write_branches
+from derod.branches.half_rod.center_line import center_line
 from derod.branches.half_rod.fields import evaluate_fields, interpolate
 from derod.branches.half_rod.parameters import Parameters
 from derod.branches.half_rod.state import HalfRod
 from derod.branches.paths.compute import compute_branches
-from derod.branches.paths.landing import center_line
 from derod.branches.paths.stability import stability
 from derod.relax import make_relaxer, relax
 from derod.scene import Scene, load_scene

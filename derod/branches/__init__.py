@@ -18,15 +18,15 @@ if TYPE_CHECKING:
     from derod.branches.files.export import auto_table as auto_table
     from derod.branches.files.record import BranchFile as BranchFile
     from derod.branches.files.record import open_branches as open_branches
-    from derod.branches.files.record import write_branches as write_branches
     from derod.branches.files.stored import StoredBranch as StoredBranch
+    from derod.branches.files.writing import write_branches as write_branches
+    from derod.branches.half_rod.center_line import center_line as center_line
     from derod.branches.half_rod.parameters import Parameters as Parameters
     from derod.branches.paths.compute import compute_branches as compute_branches
     from derod.branches.paths.heavy import HeavyState as HeavyState
     from derod.branches.paths.heavy import heavy_states as heavy_states
     from derod.branches.paths.landing import Landing as Landing
     from derod.branches.paths.landing import LandingError as LandingError
-    from derod.branches.paths.landing import center_line as center_line
 
 PUBLIC = {
     "BranchFile": "files.record",
@@ -38,13 +38,13 @@ PUBLIC = {
     "add_branch_parser": "files.cli",
     "add_compare_parser": "files.cli",
     "auto_table": "files.export",
-    "center_line": "paths.landing",
+    "center_line": "half_rod.center_line",
     "compare": "files.compare",
     "compute_branches": "paths.compute",
     "heavy_states": "paths.heavy",
     "is_branch_file": "files.checking",
     "open_branches": "files.record",
-    "write_branches": "files.record",
+    "write_branches": "files.writing",
 }
 """Names for others, and the module that has them."""
 

@@ -25,7 +25,7 @@ def branches(catalogue):
 
 @pytest.fixture(scope="session")
 def branch_file(tmp_path_factory, branches):
-    from derod.branches.files.record import write_branches
+    from derod.branches.files.writing import write_branches
 
     path = tmp_path_factory.mktemp("branches") / "text.h5"
     write_branches(path, Parameters(), list(branches.values()), "text of the scene")

@@ -87,3 +87,45 @@ def test_shares_no_code_with_the_rod():
                     if path.name == "record.py" and name in ("derod.plots", "derod.plots.picture"):
                         continue  # branches.plot: drawing reads what was computed
                     assert ".".join(name.split(".")[:2]) in allowed, (path.name, name)
+
+
+def test_rooms_use_the_ones_before_them():
+    """half_rod <- paths <- files, whatever the import's place, those for types included."""
+    rooms = ("half_rod", "paths", "files")
+    for number, room in enumerate(rooms):
+        for path in (PACKAGE / room).glob("*.py"):
+            text = path.read_text()
+            for later in rooms[number + 1 :]:
+                assert f"derod.branches.{later}" not in text, (path.name, later)
+            assert "from derod.branches import" not in text, path.name
+
+
+def test_public_names_are_there():
+    import derod.branches
+
+    for name in derod.branches.PUBLIC:
+        assert callable(getattr(derod.branches, name))
+    with pytest.raises(AttributeError, match="no attribute"):
+        _ = derod.branches.other
+
+
+def test_modules_are_short():
+    for path in PACKAGE.rglob("*.py"):
+        assert len(path.read_text().splitlines()) <= 300, path.name
+
+
+def test_modules_import_in_one_direction():
+    """No circle, imports inside functions and for types included."""
+    graph = {}
+    for path in PACKAGE.rglob("*.py"):
+        name = ".".join(path.relative_to(PACKAGE.parents[1]).with_suffix("").parts)
+        graph[name] = set()
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.ImportFrom) and node.module:
+                graph[name] |= {node.module, *(f"{node.module}.{a.name}" for a in node.names)}
+    graph.pop("derod.branches.__init__")  # names what is for others
+    while graph:
+        ready = {name for name, wanted in graph.items() if not (wanted - {name}) & set(graph)}
+        assert ready, sorted(graph)
+        for name in ready:
+            del graph[name]

@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from derod.branches.files.record import open_branches, write_branches
+from derod.branches.files.record import open_branches
+from derod.branches.files.writing import write_branches
 from derod.branches.half_rod.observables import observables
 from derod.branches.half_rod.outcome import NotConverged
 from derod.branches.half_rod.parameters import Parameters
@@ -140,7 +141,7 @@ def test_a_wrong_interval_is_refused(file):
     branch = file["3D"]
     i = intervals(branch, 3.0)[0]
     branch.table["energy_hat"][i] += 1.0
-    branch._nodes[branch._start[i + 1] + 2 * i : branch._start[i + 2] + 2 * (i + 2), 0] += 0.3
+    branch.all_nodes[branch._start[i + 1] + 2 * i : branch._start[i + 2] + 2 * (i + 2), 0] += 0.3
     with pytest.raises(LandingError, match="3D at delta = 3"):
         branch.at(3.0)
 

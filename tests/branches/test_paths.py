@@ -13,12 +13,13 @@ from derod.branches.half_rod.observables import loops, observables
 from derod.branches.half_rod.outcome import NotConverged
 from derod.branches.half_rod.parameters import Parameters
 from derod.branches.paths.arc import Control, Tracer, frozen
-from derod.branches.paths.branch import OUTER_END, collect, special_points
 from derod.branches.paths.catalogue import Catalogue
 from derod.branches.paths.compute import compute_branches, family
 from derod.branches.paths.error import halving_error
+from derod.branches.paths.joints import odd_part
 from derod.branches.paths.newton import settle
-from derod.branches.paths.special import branch_off, odd_part
+from derod.branches.paths.special import branch_off
+from derod.branches.paths.tracing import OUTER_END, collect, special_points
 
 FIXED = np.stack([frozen(FGAMMA), frozen(DELTA)])
 

@@ -10,7 +10,8 @@ from derod import hdf5
 from derod.branches import Parameters, heavy_states
 from derod.branches.files import checking
 from derod.branches.files.compare import check_same_rod, shape_distance
-from derod.branches.files.record import open_branches, write_branches
+from derod.branches.files.record import open_branches
+from derod.branches.files.writing import write_branches
 from derod.branches.half_rod import closure as col
 from derod.branches.half_rod.fields import evaluate_fields
 from derod.branches.half_rod.gauss import WEIGHTS
@@ -20,10 +21,11 @@ from derod.branches.half_rod.observables import observables
 from derod.branches.half_rod.outcome import NotConverged
 from derod.branches.half_rod.symmetry import half_turned, images
 from derod.branches.paths.arc import Control, frozen
-from derod.branches.paths.catalogue import Catalogue, PathNotFound
+from derod.branches.paths.catalogue import Catalogue
 from derod.branches.paths.compute import compute_branches, family
 from derod.branches.paths.landing import states_at
 from derod.branches.paths.newton import settle
+from derod.branches.paths.path import PathNotFound
 from derod.branches.paths.stability import stability
 from derod.branches.paths.weight import FIXED, hung, loaded
 from derod.errors import SceneError

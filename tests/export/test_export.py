@@ -73,7 +73,7 @@ def test_csv_of_a_run_reads_back_exactly(run_file, run, capsys):
 
 
 def test_every_number_with_a_dimension_has_its_unit():
-    from derod.branches.files.record import POINT
+    from derod.branches.files.layout import POINT
     from derod.export.table import LEFT_OUT, POINT_UNITS
     from derod.frames import ROW
     from derod.record.layout import ROW_UNITS

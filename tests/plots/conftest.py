@@ -28,7 +28,7 @@ def run_file(run, tmp_path):
 
 @pytest.fixture(scope="session")
 def ax_file(tmp_path_factory):
-    from derod.branches.files.record import write_branches
+    from derod.branches.files.writing import write_branches
     from derod.branches.half_rod.parameters import Parameters
     from derod.branches.paths.arc import Control
     from derod.branches.paths.catalogue import Catalogue

@@ -10,11 +10,10 @@ import h5py
 import numpy as np
 
 from derod import hdf5
+from derod.branches.files.layout import BIFURCATION, FORMATS, POINT
 from derod.errors import RecordError, shown_name
 
 DamageError = hdf5.checks.DamageError
-OLD_FORMAT = "derod-branches-1"
-FORMATS = (OLD_FORMAT, "derod-branches-2", "derod-branches-3")
 DATASETS = ("table", "bifurcations", "nodes", "eta")
 TEXTS = ("begins", "ends", "remarks", "mirror")
 MOST_BRANCHES = 1000
@@ -56,8 +55,6 @@ def branch_names(file: h5py.File) -> list[str]:
 
 def checked_group(file: h5py.File, gate: hdf5.Gate, name: str, checksummed: bool) -> h5py.Group:
     """The group of a branch, every part of it looked at; raises DamageError."""
-    from derod.branches.files.record import BIFURCATION, POINT
-
     gate.allow(0)
     place = f"branches/{name}"
     group = hdf5.checks.part(file, place)

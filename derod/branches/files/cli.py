@@ -201,6 +201,6 @@ def add_compare_parser(subparsers: Any) -> argparse.ArgumentParser:
 
 def run_compare(args: argparse.Namespace) -> int:
     """Carry out ``derod compare``; returns the exit code."""
-    from derod.branches.files.compare import compare_files
+    from derod.branches.files.report import compare_files
 
     return compare_files(args)

@@ -5,7 +5,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from derod.branches.files.record import BranchFile, StoredBranch
+from derod.branches.files.record import BranchFile
+from derod.branches.files.stored import StoredBranch
 
 TYPES = {"pitchfork": 1, "fold": 5, "buckling": 1}
 """AUTO's type numbers: 1 branch point (BP), 5 limit point (LP), 9 end point (EP)."""

@@ -7,19 +7,18 @@ import shutil
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Self
+from typing import Self
 
 import h5py
 import numpy as np
 
 from derod import hdf5, lock, outputs
 from derod.branches.files import checking
-from derod.branches.files.record import FORMAT, write_branch
+from derod.branches.files.layout import BIFURCATION, FORMAT, POINT
+from derod.branches.half_rod.observables import SCALED
 from derod.branches.half_rod.parameters import Parameters
+from derod.branches.paths.branch import Branch
 from derod.errors import RecordError
-
-if TYPE_CHECKING:
-    from derod.branches.paths.branch import Branch
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,3 +136,50 @@ class BranchWriter:
     def __exit__(self, *_: object) -> None:
         if self._held is not None:
             self._held.release()
+
+
+def write_branches(
+    path: str | Path,
+    parameters: Parameters,
+    branches: list[Branch],
+    scene_text: str = "",
+    *,
+    overwrite: bool = True,
+) -> None:
+    """Write branches to a file, complete or not at all. Raises RecordError, OSError."""
+    settings = Settings()
+    with BranchWriter(
+        path, parameters, scene_text, settings, overwrite=overwrite, reserve=False
+    ) as writer:
+        writer.put(*branches, complete=True)
+
+
+def write_branch(group: h5py.Group, branch: Branch) -> None:
+    """Write one branch into its group."""
+    table = np.zeros(len(branch.points), POINT)
+    for row, point in zip(table, branch.points, strict=True):
+        for name, value in point.values.items():
+            row[name] = value
+        for name in SCALED:
+            row[name] *= point.state.parameters.bending
+        row["error"] = point.error
+        row["unstable_modes"] = point.unstable_modes
+        row["elements"] = point.state.eta.size
+        row["inner"] = point.state.inner
+        row["scalars"] = point.state.scalars[:6]  # the weight is an attribute of the file
+    bifurcations = np.zeros(len(branch.bifurcations), BIFURCATION)
+    for row, special in zip(bifurcations, branch.bifurcations, strict=True):
+        at = table[special.index]
+        row["kind"], row["index"], row["partner"] = special.kind, special.index, special.partner
+        for name in ("end_shortening", "end_tension", "energy_hat"):
+            row[name] = at[name]
+        row["test_function"] = special.function
+    group.attrs["begins"] = branch.begins
+    group.attrs["ends"] = branch.ends
+    group.attrs["remarks"] = "\n".join(branch.remarks)
+    group.attrs["mirror"] = branch.even.name
+    group["table"] = table
+    group["bifurcations"] = bifurcations
+    group["nodes"] = np.concatenate([p.state.nodes for p in branch.points])
+    group["eta"] = np.concatenate([p.state.eta for p in branch.points])
+    group.attrs["check"] = np.uint64(checking.group_check(branch.name, group))

@@ -9,7 +9,8 @@ from derod.branches.half_rod.parameters import Parameters
 from derod.branches.half_rod.threads import one_blas_thread
 from derod.branches.paths.arc import Control
 from derod.branches.paths.branch import Branch
-from derod.branches.paths.catalogue import UPSIDE_DOWN, Catalogue, Path, PathNotFound
+from derod.branches.paths.catalogue import UPSIDE_DOWN, Catalogue
+from derod.branches.paths.path import Path, PathNotFound
 from derod.branches.paths.special import SpuriousPoint
 from derod.branches.paths.straight import NoBuckling
 

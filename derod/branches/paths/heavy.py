@@ -15,7 +15,8 @@ from derod.branches.half_rod.state import HalfRod
 from derod.branches.half_rod.symmetry import plane
 from derod.branches.half_rod.threads import one_blas_thread
 from derod.branches.paths.arc import Control
-from derod.branches.paths.catalogue import UPSIDE_DOWN, Catalogue, Path, PathNotFound
+from derod.branches.paths.catalogue import UPSIDE_DOWN, Catalogue
+from derod.branches.paths.path import Path, PathNotFound
 from derod.branches.paths.special import SpuriousPoint, locate
 from derod.branches.paths.stability import Stability, stability
 from derod.branches.paths.straight import NoBuckling

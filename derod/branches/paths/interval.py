@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -24,9 +23,7 @@ from derod.branches.half_rod.state import HalfRod
 from derod.branches.half_rod.symmetry import nearest_image, plane
 from derod.branches.paths.arc import frozen, metric
 from derod.branches.paths.newton import Settled, settle
-
-if TYPE_CHECKING:
-    from derod.branches.files.stored import StoredBranch
+from derod.branches.paths.tabulated import Tabulated
 
 TOLERANCE = 1e-10
 LEAST_STEP = 1e-3
@@ -58,12 +55,12 @@ class Place:
         return float(self.rate[col.DELTA])
 
 
-def mirror_of(branch: StoredBranch) -> Mirror:
+def mirror_of(branch: Tabulated) -> Mirror:
     """The mirror class of a stored branch."""
     return _BY_NAME[branch.mirror]
 
 
-def solved(branch: StoredBranch, i: int) -> Settled:
+def solved(branch: Tabulated, i: int) -> Settled:
     """Stored point i solved to TOLERANCE, its stages too; on a joint in the joint's plane.
 
     Held is the component along the path's own tangent, so that folds are no exception. Raises
@@ -92,7 +89,7 @@ class Interval:
     NotConverged where that end cannot be solved again.
     """
 
-    def __init__(self, branch: StoredBranch, index: int, delta: float) -> None:
+    def __init__(self, branch: Tabulated, index: int, delta: float) -> None:
         self.branch, self.index = branch, index
         self.mirror = mirror_of(branch)
         pair = (branch.state(index), branch.state(index + 1))

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.optimize import brentq
 
 from derod.branches.half_rod import closure as col
-from derod.branches.half_rod.fields import evaluate_fields, interpolate
 from derod.branches.half_rod.linear import Reduced, linearise
 from derod.branches.half_rod.mesh import RESOLUTION, adapted, halved
 from derod.branches.half_rod.mirror import FULL
@@ -21,10 +19,8 @@ from derod.branches.half_rod.threads import one_blas_thread
 from derod.branches.paths.interval import TOLERANCE, Interval, Place, solved
 from derod.branches.paths.newton import settle
 from derod.branches.paths.stability import Stability, stability
+from derod.branches.paths.tabulated import Tabulated
 from derod.errors import DerodError
-
-if TYPE_CHECKING:
-    from derod.branches.files.stored import StoredBranch
 
 ACCURACY = 1e-8
 """Estimated error of t and E_hat at which a landing's mesh is fine enough."""
@@ -46,7 +42,7 @@ class LandingError(DerodError):
 class Landing:
     """A branch's solved state at an end-shortening.
 
-    ``values``: the columns of ``record.POINT`` that ``observables`` gives, in D and K0. ``interval``
+    ``values``: the columns of ``files.layout.POINT`` that ``observables`` gives, in D and K0. ``interval``
     i: the state lies between the branch's points i and i + 1, ``share`` of the way (a state is at
     its point where share = 0). ``tension_error``, ``energy_error``: estimated errors of t and E_hat
     at this end-shortening from halved elements, relative to them, or to one where they are smaller;
@@ -76,7 +72,7 @@ class Landing:
 
 
 @one_blas_thread
-def states_at(branch: StoredBranch, delta: float) -> tuple[Landing, ...]:
+def states_at(branch: Tabulated, delta: float) -> tuple[Landing, ...]:
     """The branch's states at end-shortening ``delta`` (D), in the order of its points.
 
     Raises LandingError where the branch has none, and where one cannot be solved.
@@ -96,7 +92,7 @@ def states_at(branch: StoredBranch, delta: float) -> tuple[Landing, ...]:
     return tuple(out)
 
 
-def intervals(branch: StoredBranch, delta: float) -> list[int]:
+def intervals(branch: Tabulated, delta: float) -> list[int]:
     """Indices i of the intervals (points i to i + 1) in which the branch may pass ``delta``.
 
     Those that end on both sides of it, and those where a fold that is no stored point may lie: beside
@@ -110,7 +106,7 @@ def intervals(branch: StoredBranch, delta: float) -> list[int]:
     return [int(i) for i in np.flatnonzero(passed | (reach & _hidden(branch)))]
 
 
-def _hidden(branch: StoredBranch) -> np.ndarray:
+def _hidden(branch: Tabulated) -> np.ndarray:
     """Whether each interval (n - 1,) may hold a fold that is no stored point."""
     steps = np.diff(branch.table["end_shortening"])
     out = np.zeros(steps.size, dtype=bool)
@@ -122,7 +118,7 @@ def _hidden(branch: StoredBranch) -> np.ndarray:
     return out
 
 
-def landings(branch: StoredBranch, i: int, delta: float) -> list[Landing]:
+def landings(branch: Tabulated, i: int, delta: float) -> list[Landing]:
     """The states at ``delta`` between points i and i + 1: none, one, or two beside a fold.
 
     A state on point i + 1 belongs to the next interval, but for the last. Raises NotConverged.
@@ -138,7 +134,7 @@ def landings(branch: StoredBranch, i: int, delta: float) -> list[Landing]:
     return found if interval.sense > 0 else found[::-1]
 
 
-def _at(branch: StoredBranch, point: int, delta: float) -> bool:
+def _at(branch: Tabulated, point: int, delta: float) -> bool:
     """Whether ``delta`` is that of a stored point.
 
     Beside a joint no mesh tells the space curve from the planar one within JOINT_SHIFT.
@@ -149,7 +145,7 @@ def _at(branch: StoredBranch, point: int, delta: float) -> bool:
     return bool(abs(branch.table["end_shortening"][point] - delta) < nearest)
 
 
-def _on_point(branch: StoredBranch, interval: int, point: int, delta: float) -> Landing:
+def _on_point(branch: Tabulated, interval: int, point: int, delta: float) -> Landing:
     """The landing on a stored point; what ``delta`` is off the point's is in the errors."""
     settled = solved(branch, point)
     a, b = branch.table[point], branch.table[point - 1 if point > interval else point + 1]
@@ -168,7 +164,7 @@ def _on_point(branch: StoredBranch, interval: int, point: int, delta: float) -> 
     return Landing(branch.name, interval, share, state, values, tension, energy, special)
 
 
-def _values(branch: StoredBranch, state: HalfRod) -> dict[str, float]:
+def _values(branch: Tabulated, state: HalfRod) -> dict[str, float]:
     values = observables(state)
     for name in SCALED:
         values[name] *= branch.parameters.bending
@@ -280,18 +276,3 @@ def _errors(interval: Interval, place: Place, delta: float) -> tuple[float, floa
         float(abs(change)) / max(1.0, abs(a["end_tension"])),
         float(abs(energy)) / max(1.0, abs(a["energy_hat"])),
     )
-
-
-def center_line(state: HalfRod, s: np.ndarray) -> np.ndarray:
-    """Places (k, 3) of the whole rod at arc lengths ``s`` (k,) from the clamp at the origin, D."""
-    half = 0.5 * state.parameters.length
-    from_middle = np.asarray(s, dtype=float) - half
-    nodes = np.delete(state.node_arc_length, state.inner + 1)
-    distance = np.clip(np.abs(from_middle), 0.0, half)
-    element = np.clip(np.searchsorted(nodes, distance, side="right") - 1, 0, state.eta.size - 1)
-    at = (distance - nodes[element]) / state.lengths[element]
-    r = interpolate(state, evaluate_fields(state), element, at)[:, :3]
-    r[:, 1] -= state.nodes[-1, 1]
-    r[from_middle < 0.0] *= np.array([-1.0, 1.0, -1.0])
-    r[:, 2] += half - 0.5 * state.end_shortening
-    return r

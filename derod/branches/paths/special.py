@@ -10,9 +10,9 @@ from scipy.optimize import brentq
 
 from derod.branches.half_rod import closure as col
 from derod.branches.half_rod.linear import Reduced
-from derod.branches.half_rod.mirror import FULL, Mirror, planes
+from derod.branches.half_rod.mirror import FULL, Mirror
 from derod.branches.half_rod.outcome import NotConverged
-from derod.branches.half_rod.state import HalfRod, Increment
+from derod.branches.half_rod.state import Increment
 from derod.branches.paths.arc import Point, Tracer, frozen
 from derod.branches.paths.newton import Settled, settle
 from derod.branches.paths.straight import null_increment
@@ -117,34 +117,3 @@ def branch_off(
     values = np.array([state.scalars[5], side * amplitude])
     start = state.moved(mode, side * amplitude)
     return settle(start, FULL, closing, values, control_tolerance, max_iterations=12), side * kept
-
-
-def odd_part(state: HalfRod, odd: Mirror) -> np.ndarray:
-    """The kept unknowns that vanish on planar states of this class."""
-    return state.kept[odd.kept]
-
-
-def crossed_plane(before: HalfRod, after: HalfRod) -> tuple[Mirror, Mirror] | None:
-    """The (even, odd) class of planar states between two successive space states, if there is one.
-
-    Through a pitchfork all out-of-plane unknowns change sign together.
-    """
-    for even, odd in planes(before.weight):
-        a, b = odd_part(before, odd), odd_part(after, odd)
-        if a @ b < -0.7 * np.linalg.norm(a) * np.linalg.norm(b):
-            return even, odd
-    return None
-
-
-def flattened(state: HalfRod, even: Mirror, tolerance: float) -> Settled:
-    """The planar state at the end-shortening of a nearly planar one."""
-    nodes, stages = np.zeros_like(state.nodes), np.zeros_like(state.stages)
-    nodes[:, even.states] = state.nodes[:, even.states]
-    turns = even.states[(even.states >= 3) & (even.states < 7)]
-    stages[:, :, turns - 3] = state.stages[:, :, turns - 3]
-    scalars = np.zeros_like(state.scalars)
-    held = np.concatenate([even.parameters - 10, [4, 5, 6]])
-    scalars[held] = state.scalars[held]
-    flat = HalfRod(state.parameters, state.eta, state.inner, nodes, stages, scalars)
-    closing = np.stack([frozen(col.FGAMMA), frozen(col.DELTA)])
-    return settle(flat, even, closing, scalars[[5, 4]], tolerance, max_iterations=20)

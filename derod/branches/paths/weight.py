@@ -21,13 +21,11 @@ from derod.branches.half_rod.outcome import NotConverged
 from derod.branches.half_rod.state import HalfRod
 from derod.branches.half_rod.symmetry import half_turned
 from derod.branches.paths.arc import Control, Point, Tracer, frozen
-from derod.branches.paths.branch import collect
 from derod.branches.paths.newton import Settled, settle
+from derod.branches.paths.tracing import collect
 
 FIXED = np.stack([frozen(col.DELTA), frozen(col.FGAMMA), frozen(col.WEIGHT)])
 """Closing rows of a state at given delta, f_gamma and W."""
-START = (0.25 * math.pi, 0.5 * math.pi, 0.1 * math.pi, 1.0 * math.pi)
-"""End-shortenings (D) at which the first buckled path is loaded, tried in turn."""
 BEYOND = 2.0
 """A path in the weight is left at this multiple of the weight wanted, and at minus that weight."""
 POINTS = 300

@@ -122,7 +122,7 @@ def flips_of_live(folder: Path, trials: int) -> Found:
 
 def branch_file(folder: Path) -> bytes:
     """A branch file of one path, the straight rod and what leaves it."""
-    from derod.branches.files.record import write_branches
+    from derod.branches.files.writing import write_branches
     from derod.branches.half_rod.parameters import Parameters
     from derod.branches.paths.arc import Control
     from derod.branches.paths.catalogue import Catalogue
