@@ -3,8 +3,8 @@
     python runs/heavy_branches.py [--weights 0.5 2 5] [--deltas 0.05 0.1 0.25 0.5 0.75 1.0] [--csv FILE]
 
 The rod of runs/paper-figures.toml (l = 10, f_gamma = 20, v0 = 2e-2), W in K0/D^2, end-shortenings in units
-of pi D. For each: the hanging planar state, stable or not, and the states without an unstable mode; with
---all every state found. even, odd: unstable flip-even and flip-odd modes (rolling is among these); k:
+of pi D. For each: the hanging planar states, stable or not, and the states without an unstable mode;
+with --all every state found. even, odd: unstable flip-even and flip-odd modes (rolling is among these); k:
 stiffness of sliding the drop along the rod (K0/D^3), an unstable mode more where it says "slides".
 """
 
@@ -25,9 +25,11 @@ COLUMNS = ("end_tension", "energy_hat", "drop_y", "wetted_length")
 
 def shown(states: list[HeavyState], everything: bool) -> list[HeavyState]:
     """What the table shows of the states at one end-shortening."""
-    planar = [one for one in states if one.planar and one.origin == "Ax"]
-    hanging = planar[:1]
-    return [one for one in states if everything or one in hanging or one.stability.modes == 0]
+    return [
+        one
+        for one in states
+        if everything or (one.planar and one.origin == "Ax") or one.stability.modes == 0
+    ]
 
 
 def main() -> None:

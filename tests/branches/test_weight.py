@@ -1,8 +1,10 @@
 """A drop with weight: force balance, energy slopes, turning, counts, files, landings."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import h5py
+import msgspec
 import numpy as np
 import pytest
 
@@ -29,6 +31,7 @@ from derod.branches.paths.path import PathNotFound
 from derod.branches.paths.stability import stability
 from derod.branches.paths.weight import FIXED, hung, loaded
 from derod.errors import SceneError
+from derod.scene import load_scene
 from tests.branches.dense_stability import SecondVariation, dense_modes
 
 FAST = Control(tolerance=1e-9, largest_step=0.4, turning=0.4)
@@ -316,3 +319,12 @@ def test_states_at_are_on_all_sheets(heavy_file):
         found = states_at(file["Ax-up"], 1.0 * np.pi)
     assert len(found) >= 3
     assert {round(one.values["drop_y"], 3) for one in found} >= {-0.142}
+
+
+def test_the_scenes_weight_is_divided_by_the_stiffness():
+    scene = load_scene(Path(__file__).parents[2] / "runs" / "paper-figures.toml")
+    own = msgspec.structs.replace
+    drop = own(scene.require_drop(), weight=0.5)
+    heavy_scene = own(scene, rod=own(scene.rod, bending=2.0), drop=drop)
+    assert Parameters.from_scene(heavy_scene).weight == 0.25
+    assert Parameters.from_scene(scene) == Parameters(wall_strength=2e-2)
