@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from derod.api import push as push
-    from derod.branches.record import open_branches as open_branches
+    from derod.branches import open_branches as open_branches
     from derod.errors import DerodError as DerodError
     from derod.errors import RecordError as RecordError
     from derod.errors import SceneError as SceneError
@@ -33,7 +33,7 @@ _HOMES = {
     "SceneError": "derod.errors",
     "extrapolate": "derod.record.extrapolate",
     "load_scene": "derod.scene",
-    "open_branches": "derod.branches.record",
+    "open_branches": "derod.branches",
     "open_run": "derod.record",
     "parse_scene": "derod.scene",
     "push": "derod.api",

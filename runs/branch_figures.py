@@ -28,17 +28,19 @@ import derod
 # isort: split
 import numpy as np
 
-from derod.branches import closure as col
-from derod.branches.arc import Control, Point, Tracer, frozen
-from derod.branches.branch import collect
-from derod.branches.catalogue import Catalogue
-from derod.branches.compute import compute_branches
-from derod.branches.error import halving_error
-from derod.branches.mirror import LOOP_EVEN, STRAIGHT_LOOP
-from derod.branches.newton import settle
-from derod.branches.parameters import Parameters
-from derod.branches.record import open_branches, write_branches
-from derod.branches.special import fold_function, locate
+from derod.branches.files.record import open_branches
+from derod.branches.files.writing import write_branches
+from derod.branches.half_rod import closure as col
+from derod.branches.half_rod.mirror import LOOP_EVEN, STRAIGHT_LOOP
+from derod.branches.half_rod.parameters import Parameters
+from derod.branches.paths.arc import Control, Point, Tracer, frozen
+from derod.branches.paths.beginning import buckled
+from derod.branches.paths.catalogue import Catalogue
+from derod.branches.paths.compute import compute_branches
+from derod.branches.paths.error import halving_error
+from derod.branches.paths.newton import settle
+from derod.branches.paths.special import fold_function, locate
+from derod.branches.paths.tracing import collect
 from derod.scene import load_scene
 
 HERE = Path(__file__).parent
@@ -93,7 +95,7 @@ def paths() -> None:
 
 def ax_start(own: Parameters, control: Control) -> tuple[Tracer, Point]:
     """Ax at 0.02 pi."""
-    early, start, _ = Catalogue(own, control).buckled(STRAIGHT_LOOP, LOOP_EVEN)
+    early, start, _ = buckled(own, control, STRAIGHT_LOOP, LOOP_EVEN)
     points, _ = collect(early, start, lambda p: p.state.end_shortening > 0.02 * np.pi or None)
     tracer = Tracer(LOOP_EVEN, control, own.capillary_force)
     closing = np.stack([frozen(col.FGAMMA), frozen(col.DELTA)])
@@ -257,8 +259,8 @@ def long() -> None:
 
 def compare() -> None:
     """``derod compare`` of the default pushes, and of twice and half the edges for the rate."""
-    from derod.branches.compare import compare as hold
-    from derod.branches.compare import worst
+    from derod.branches.files.compare import compare as hold
+    from derod.branches.files.compare import worst
 
     for scene in SCENES:
         errors = {}

@@ -24,9 +24,10 @@ from pathlib import Path
 import numpy as np
 from bench.old import old_sources
 
-from derod.branches.landing import LandingError
-from derod.branches.record import BranchFile, StoredBranch, open_branches
-from derod.branches.stability import clamp_moment
+from derod.branches.files.record import BranchFile, open_branches
+from derod.branches.files.stored import StoredBranch
+from derod.branches.paths.landing import LandingError
+from derod.branches.paths.stability import clamp_moment
 
 HERE = Path(__file__).parent
 CASES = {

@@ -24,8 +24,8 @@ import derod
 import numpy as np
 from bench.branches import branches_of
 
-from derod.branches.compare import compare
-from derod.branches.record import open_branches
+from derod.branches.files.compare import compare
+from derod.branches.files.record import open_branches
 from derod.record import BaseRun
 
 HERE = Path(__file__).parent

@@ -33,20 +33,23 @@ import itertools
 
 import numpy as np
 
-from derod.branches import closure as col
-from derod.branches.arc import Control, Point, Tracer, frozen
-from derod.branches.compute import compute_branches
-from derod.branches.landing import LandingError
-from derod.branches.mesh import RESOLUTION, adapted, halved
-from derod.branches.mirror import FULL
-from derod.branches.newton import settle
-from derod.branches.observables import observables
-from derod.branches.outcome import NotConverged
-from derod.branches.parameters import Parameters
-from derod.branches.record import StoredBranch, open_branches, write_branches
-from derod.branches.special import crossed_plane, locate
-from derod.branches.state import HalfRod
-from derod.branches.symmetry import plane
+from derod.branches.files.record import open_branches
+from derod.branches.files.stored import StoredBranch
+from derod.branches.files.writing import write_branches
+from derod.branches.half_rod import closure as col
+from derod.branches.half_rod.mesh import RESOLUTION, adapted, halved
+from derod.branches.half_rod.mirror import FULL
+from derod.branches.half_rod.observables import observables
+from derod.branches.half_rod.outcome import NotConverged
+from derod.branches.half_rod.parameters import Parameters
+from derod.branches.half_rod.state import HalfRod
+from derod.branches.half_rod.symmetry import plane
+from derod.branches.paths.arc import Control, Point, Tracer, frozen
+from derod.branches.paths.compute import compute_branches
+from derod.branches.paths.joints import crossed_plane
+from derod.branches.paths.landing import LandingError
+from derod.branches.paths.newton import settle
+from derod.branches.paths.special import locate
 from derod.scene import load_scene
 
 HERE = Path(__file__).parent

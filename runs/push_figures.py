@@ -28,8 +28,8 @@ from bench.branches import branches_of
 from bench.elastica import elastica_errors, elastica_scene
 from bench.stepping import implicit_step, pushed
 
-from derod.branches.compare import compare
-from derod.branches.record import open_branches
+from derod.branches.files.compare import compare
+from derod.branches.files.record import open_branches
 from derod.record import BaseRun
 
 HERE = Path(__file__).parent

@@ -87,8 +87,8 @@ def measure_here(problem: str, changes: dict[str, Any], path: str) -> dict[str, 
 
 def errors_of(problem: str, path: Path) -> dict[str, float]:
     """Return the worst errors of a recorded push."""
-    from derod.branches.compare import compare
-    from derod.branches.record import open_branches
+    from derod.branches.files.compare import compare
+    from derod.branches.files.record import open_branches
 
     with derod.open_run(path) as run:
         if problem == "elastica":

@@ -6,7 +6,7 @@
 
 Every N-th point of all named paths is put on the discrete rod's mesh, settled by plain Newton steps
 (no descent, no kick) and analysed. Both sides count by the same rule for
-sliding (``derod.branches.stability``, ``derod.equilibrium.stability``) and share no code. Exit code 1
+sliding (``branches.paths.stability``, ``equilibrium.stability``) and share no code. Exit code 1
 where a count differs or a state does not settle on its branch.
 """
 
@@ -27,13 +27,15 @@ import derod
 # isort: split
 import numpy as np
 
-from derod.branches.compute import compute_branches
-from derod.branches.fields import evaluate_fields, interpolate
-from derod.branches.landing import center_line
-from derod.branches.parameters import Parameters
-from derod.branches.record import StoredBranch, open_branches, write_branches
-from derod.branches.stability import stability
-from derod.branches.state import HalfRod
+from derod.branches.files.record import open_branches
+from derod.branches.files.stored import StoredBranch
+from derod.branches.files.writing import write_branches
+from derod.branches.half_rod.center_line import center_line
+from derod.branches.half_rod.fields import evaluate_fields, interpolate
+from derod.branches.half_rod.parameters import Parameters
+from derod.branches.half_rod.state import HalfRod
+from derod.branches.paths.compute import compute_branches
+from derod.branches.paths.stability import stability
 from derod.equilibrium.loop import relax
 from derod.equilibrium.measured import measure
 from derod.equilibrium.methods import make_relaxer

@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 
 import derod
 from derod import cli
-from derod.branches.parameters import Parameters
+from derod.branches.half_rod.parameters import Parameters
 from derod.errors import SceneError
 from derod.record import layout
 from derod.scene import Scene, build_scene, dimensionless_groups, load_scene, parse_scene

@@ -14,7 +14,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from style import LABELS, THEMES, Theme, add_output, new_figure, parsed, save, started, use
 
-from derod.branches.compare import compare
+from derod.branches.files.compare import compare
 from derod.views.plots.reading import open_files
 
 PANELS = {

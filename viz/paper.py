@@ -29,7 +29,7 @@ from style import THEMES, save
 from tqdm import tqdm
 
 import derod
-from derod.branches.compare import compare
+from derod.branches.files.compare import compare
 from derod.cli import carry_out
 from derod.cli.terminal import say
 from derod.files.outputs import replacing

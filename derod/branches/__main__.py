@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 
-from derod.branches.cli import add_branch_parser, add_compare_parser
+from derod.branches.files.cli import add_branch_parser, add_compare_parser
 
 
 def main() -> int:

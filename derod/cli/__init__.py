@@ -22,8 +22,8 @@ from derod.push import interrupts
 METHODS = ("implicit", "elliptic", "fire", "kinetic")
 
 COMMANDS: tuple[str, ...] = (
-    "derod.branches.cli:add_branch_parser",
-    "derod.branches.cli:add_compare_parser",
+    "derod.branches:add_branch_parser",
+    "derod.branches:add_compare_parser",
     "derod.views.stream.cli:add_view_parser",
     "derod.views.plots.cli:add_plot_parser",
     "derod.views.plots.cli:add_movie_parser",

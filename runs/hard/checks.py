@@ -8,11 +8,11 @@ import numpy as np
 from bench.branches import branches_of
 
 import derod
-from derod.branches.compare import compare
-from derod.branches.mirror import STRAIGHT_LOOP
-from derod.branches.parameters import Parameters
-from derod.branches.record import open_branches
-from derod.branches.straight import buckling_tensions
+from derod.branches.files.compare import compare
+from derod.branches.files.record import open_branches
+from derod.branches.half_rod.mirror import STRAIGHT_LOOP
+from derod.branches.half_rod.parameters import Parameters
+from derod.branches.paths.straight import buckling_tensions
 from derod.record import BaseRun
 
 Check = tuple[str, float, float]

@@ -12,7 +12,7 @@ from hard.checks import Check
 from scipy.interpolate import CubicSpline
 
 import derod
-from derod.branches.record import open_branches
+from derod.branches.files.record import open_branches
 from derod.equilibrium.loop import relax
 from derod.equilibrium.measured import measure
 from derod.equilibrium.methods import make_relaxer

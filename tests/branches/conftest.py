@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
 
-from derod.branches.arc import Control
-from derod.branches.catalogue import Catalogue
-from derod.branches.parameters import Parameters
+from derod.branches.half_rod.parameters import Parameters
+from derod.branches.paths.arc import Control
+from derod.branches.paths.catalogue import Catalogue
 
 FAST = Control(tolerance=1e-9, largest_step=0.4, turning=0.4)
 
@@ -25,7 +25,7 @@ def branches(catalogue):
 
 @pytest.fixture(scope="session")
 def branch_file(tmp_path_factory, branches):
-    from derod.branches.record import write_branches
+    from derod.branches.files.writing import write_branches
 
     path = tmp_path_factory.mktemp("branches") / "text.h5"
     write_branches(path, Parameters(), list(branches.values()), "text of the scene")

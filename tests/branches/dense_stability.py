@@ -1,4 +1,4 @@
-"""The second variation as one dense matrix: the reference of ``derod.branches.second_variation``.
+"""The second variation as one dense matrix: the reference of ``derod.branches.half_rod.second_variation``.
 
 Variations of the whole rod at fixed clamps: frames turn by phi(s), the centre line moves by rho
 with rho' = phi x d_3, the drop's centre by rho_C, the menisci by b along the rod. To second order
@@ -13,8 +13,8 @@ on the kernel of the constraints rho(0) = rho(l) = 0, phi = 0 at the clamps, w.(
 rho_C) = 0. A flip-symmetric state splits it into flip-even and flip-odd variations of half the
 rod. phi is piecewise quadratic and rho its exact integral, so this is a Ritz method: it converges
 from above and needs no multiplier for inextensibility. Turning the coil about the clamp axis (phi = e_z
-- d_3) is penalised, and so is the slip b of the menisci in flip-odd variations, where they move along
-the rod together.
+- d_3) is penalised where the drop has no weight, and so is the slip b of the menisci in flip-odd
+variations, where they move along the rod together.
 """
 
 from __future__ import annotations
@@ -22,12 +22,12 @@ from __future__ import annotations
 import numpy as np
 from scipy.linalg.lapack import dsytrf
 
-from derod.branches.closure import jump
-from derod.branches.element import moment, tangent
-from derod.branches.fields import evaluate_fields, interpolate
-from derod.branches.gauss import MATRIX, NODES, WEIGHTS
-from derod.branches.mesh import adapted
-from derod.branches.state import HalfRod
+from derod.branches.half_rod.closure import jump
+from derod.branches.half_rod.element import moment, tangent
+from derod.branches.half_rod.fields import evaluate_fields, interpolate
+from derod.branches.half_rod.gauss import MATRIX, NODES, WEIGHTS
+from derod.branches.half_rod.mesh import adapted
+from derod.branches.half_rod.state import HalfRod
 
 PENALTY = 1e6
 """On the constraints; their kernel is reached as it grows."""
@@ -101,6 +101,7 @@ class SecondVariation:
         self.constraint = left[0]
         self._add_meniscus(form, state, left[inner])
         self.form = 0.5 * (form + form.T)
+        self.heavy = state.weight != 0.0
         self.neutral = self._neutral_modes(state, fields, size)
 
     @staticmethod
@@ -186,7 +187,8 @@ class SecondVariation:
             form += PENALTY * np.outer(row, row)
         if odd:
             z = self.neutral[0][keep]
-            form += NEUTRAL_PENALTY * np.outer(z, z) / max(z @ z, 1e-300)
+            if not self.heavy:
+                form += NEUTRAL_PENALTY * np.outer(z, z) / max(z @ z, 1e-300)
             if not slides:
                 form += PENALTY * np.outer(self.slip[keep], self.slip[keep])
         self.kept_slip = self.slip[keep]

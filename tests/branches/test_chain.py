@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from derod.branches.chain import expand_chain, reduce_chain
+from derod.branches.half_rod.chain import expand_chain, reduce_chain
 
 ALL = np.arange(10)
 INPUTS = np.arange(10, 14)

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from derod.branches import closure as col
-from derod.branches.closure import conditions, jump
-from derod.branches.element import tangent
+from derod.branches.half_rod import closure as col
+from derod.branches.half_rod.closure import conditions, jump
+from derod.branches.half_rod.element import tangent
 
 
 def node(rng):
@@ -46,18 +46,18 @@ def test_jump_jacobian(rng):
 
 @pytest.mark.parametrize("rotation", [0.0, 1.3, 2.0 * np.pi])
 def test_conditions_jacobian(rng, rotation):
-    U = rng.normal(size=36)
+    U = rng.normal(size=37)
 
     def residual(V):
         after, jacobian = np.empty(10), np.empty((10, 11))
         jump(V[10:20], V[col.FGAMMA], 0.002, after, jacobian)
-        F, J = np.empty(14), np.empty((14, 36))
+        F, J = np.empty(14), np.empty((14, 37))
         conditions(V, 5.0, 0.9, rotation, after, jacobian, F, J)
         return F, J
 
     _, J = residual(U)
-    for k in range(36):
-        e = np.zeros(36)
+    for k in range(37):
+        e = np.zeros(37)
         e[k] = 1e-6
         difference = (residual(U + e)[0] - residual(U - e)[0]) / 2e-6
         assert np.allclose(difference, J[:, k], atol=1e-6 * max(1.0, np.abs(J).max())), k
@@ -66,11 +66,11 @@ def test_conditions_jacobian(rng, rotation):
 @pytest.mark.parametrize(("turn", "holds"), [(0.0, True), (1.0, False), (2.0, True)])
 def test_end_rotation_is_told_from_its_double(turn, holds):
     """d_1y(l/2) = 0 holds for R = 0 and 2 pi; the condition used tells them apart (modulo 4 pi)."""
-    U = np.zeros(36)
+    U = np.zeros(37)
     half = turn * np.pi  # alpha_L = R/2 = turn pi
     U[23], U[26] = np.cos(0.5 * half), np.sin(0.5 * half)
     U[12] = 1.0
-    after, jacobian, F, J = np.empty(10), np.empty((10, 11)), np.empty(14), np.empty((14, 36))
+    after, jacobian, F, J = np.empty(10), np.empty((10, 11)), np.empty(14), np.empty((14, 37))
     conditions(U, 5.0, 0.9, 0.0, after, jacobian, F, J)
     assert (abs(F[col.CLAMP_TURN]) < 1e-12) == holds
     conditions(U, 5.0, 0.9, 2.0 * np.pi, after, jacobian, F, J)

@@ -5,9 +5,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from derod.branches.compare import compare, exceeds, report, shape_distance, worst
-from derod.branches.landing import center_line
-from derod.branches.record import open_branches
+from derod.branches.files.compare import compare, shape_distance, worst
+from derod.branches.files.record import open_branches
+from derod.branches.files.report import exceeds, report
+from derod.branches.half_rod.center_line import center_line
 from derod.errors import SceneError
 from derod.scene import load_scene
 

@@ -3,20 +3,20 @@
 import numpy as np
 import pytest
 
-from derod.branches.arc import frozen
-from derod.branches.chain import expand_stages
-from derod.branches.closure import FGAMMA
-from derod.branches.element import moment, tangent, tangent_derivative, wall_gradient
-from derod.branches.fields import evaluate_fields
-from derod.branches.gauss import MATRIX, NODES, STAGES, WEIGHTS
-from derod.branches.linear import linearise
-from derod.branches.parameters import Parameters
-from derod.branches.state import HalfRod, Increment
+from derod.branches.half_rod.chain import expand_stages
+from derod.branches.half_rod.closure import FGAMMA
+from derod.branches.half_rod.element import moment, tangent, tangent_derivative, wall_gradient
+from derod.branches.half_rod.fields import evaluate_fields
+from derod.branches.half_rod.gauss import MATRIX, NODES, STAGES, WEIGHTS
+from derod.branches.half_rod.linear import linearise
+from derod.branches.half_rod.parameters import Parameters
+from derod.branches.half_rod.state import HalfRod, Increment
+from derod.branches.paths.arc import frozen
 
 SHORT = Parameters(length=1.5, capillary_force=5.0, wall_strength=2e-2)
 START = np.array([0.0, 0.1, 0.05, 0.99, 0.0, 0.1, 0.0, 0.5, 0.0, -1.0])
 START[3:7] /= np.linalg.norm(START[3:7])
-SCALARS = np.array([0.1, 0.2, 0.3, 0.25, 0.0, 5.0])
+SCALARS = np.array([0.1, 0.2, 0.3, 0.25, 0.0, 5.0, 0.0])
 
 
 def shot(start, scalars, inner=4, outer=3):
@@ -36,7 +36,7 @@ def shot(start, scalars, inner=4, outer=3):
             step[left + 1] = elements.A[e, :, :10] @ step[left] + elements.r[e]
         change = np.empty_like(stages)
         expand_stages(elements.X, inner, step, np.zeros(4), 1.0, change)
-        state = state.moved(Increment(step, change, np.zeros(6)))
+        state = state.moved(Increment(step, change, np.zeros(7)))
         if np.abs(step).max() < 1e-13:
             return state, linearise(state)
     raise AssertionError("the initial-value problem did not converge")

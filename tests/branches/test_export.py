@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from derod.branches.export import COLUMNS, auto_table
-from derod.branches.record import open_branches
+from derod.branches.files.export import COLUMNS, auto_table
+from derod.branches.files.record import open_branches
 
 
 def test_table(branch_file):

@@ -8,13 +8,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from derod.branches.interval import Interval, solved
-from derod.branches.landing import LandingError, intervals
-from derod.branches.observables import observables
-from derod.branches.outcome import NotConverged
-from derod.branches.parameters import Parameters
-from derod.branches.record import open_branches, write_branches
-from derod.branches.symmetry import images, plane
+from derod.branches.files.record import open_branches
+from derod.branches.files.writing import write_branches
+from derod.branches.half_rod.observables import observables
+from derod.branches.half_rod.outcome import NotConverged
+from derod.branches.half_rod.parameters import Parameters
+from derod.branches.half_rod.symmetry import images, plane
+from derod.branches.paths.interval import Interval, solved
+from derod.branches.paths.landing import LandingError, intervals
 from derod.errors import DerodError
 
 RUNS = Path(__file__).parents[2] / "runs"
@@ -140,7 +141,7 @@ def test_a_wrong_interval_is_refused(file):
     branch = file["3D"]
     i = intervals(branch, 3.0)[0]
     branch.table["energy_hat"][i] += 1.0
-    branch._nodes[branch._start[i + 1] + 2 * i : branch._start[i + 2] + 2 * (i + 2), 0] += 0.3
+    branch.all_nodes[branch._start[i + 1] + 2 * i : branch._start[i + 2] + 2 * (i + 2), 0] += 0.3
     with pytest.raises(LandingError, match="3D at delta = 3"):
         branch.at(3.0)
 

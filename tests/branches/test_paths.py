@@ -5,20 +5,21 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from derod.branches.arc import Control, Tracer, frozen
-from derod.branches.branch import OUTER_END, collect, special_points
-from derod.branches.catalogue import Catalogue
-from derod.branches.closure import DELTA, FGAMMA
-from derod.branches.compute import compute_branches, family
-from derod.branches.error import halving_error
-from derod.branches.linear import Reduced, linearise
-from derod.branches.mesh import adapted, transferred
-from derod.branches.mirror import FULL, LOOP_EVEN, LOOP_ODD, PLANES
-from derod.branches.newton import settle
-from derod.branches.observables import loops, observables
-from derod.branches.outcome import NotConverged
-from derod.branches.parameters import Parameters
-from derod.branches.special import branch_off, odd_part
+from derod.branches.half_rod.closure import DELTA, FGAMMA
+from derod.branches.half_rod.linear import Reduced, linearise
+from derod.branches.half_rod.mesh import adapted, transferred
+from derod.branches.half_rod.mirror import FULL, LOOP_EVEN, LOOP_ODD, PLANES
+from derod.branches.half_rod.observables import loops, observables
+from derod.branches.half_rod.outcome import NotConverged
+from derod.branches.half_rod.parameters import Parameters
+from derod.branches.paths.arc import Control, Tracer, frozen
+from derod.branches.paths.catalogue import Catalogue
+from derod.branches.paths.compute import compute_branches, family
+from derod.branches.paths.error import halving_error
+from derod.branches.paths.joints import odd_part
+from derod.branches.paths.newton import settle
+from derod.branches.paths.special import branch_off
+from derod.branches.paths.tracing import OUTER_END, collect, special_points
 
 FIXED = np.stack([frozen(FGAMMA), frozen(DELTA)])
 

@@ -4,9 +4,10 @@ import h5py
 import numpy as np
 import pytest
 
-from derod.branches.observables import observables
-from derod.branches.parameters import Parameters
-from derod.branches.record import open_branches, write_branches
+from derod.branches.files.record import open_branches
+from derod.branches.files.writing import write_branches
+from derod.branches.half_rod.observables import observables
+from derod.branches.half_rod.parameters import Parameters
 from derod.errors import DerodError
 
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scipy.linalg import eigvalsh
 
-from derod.branches.front import eliminate, negative_eigenvalues
-from derod.branches.mesh import adapted, halved
-from derod.branches.stability import CLAMP_MOMENT, stability, unstable_modes
+from derod.branches.half_rod.front import eliminate, negative_eigenvalues
+from derod.branches.half_rod.mesh import adapted, halved
+from derod.branches.paths.stability import CLAMP_MOMENT, stability, unstable_modes
 from tests.branches.dense_stability import SecondVariation, dense_modes
 
 

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from derod.branches.linear import linearise
-from derod.branches.mirror import STRAIGHT_LOOP, STRAIGHT_S, STRAIGHT_TWISTED
-from derod.branches.parameters import Parameters
-from derod.branches.stability import unstable_modes
-from derod.branches.straight import NoBuckling, buckling_tensions, straight_state
+from derod.branches.half_rod.linear import linearise
+from derod.branches.half_rod.mirror import STRAIGHT_LOOP, STRAIGHT_S, STRAIGHT_TWISTED
+from derod.branches.half_rod.parameters import Parameters
+from derod.branches.paths.stability import unstable_modes
+from derod.branches.paths.straight import NoBuckling, buckling_tensions, straight_state
 
 
 @pytest.mark.parametrize("rotation", [0.0, 2.0, 2.0 * np.pi])

@@ -3,8 +3,8 @@
 import numpy as np
 from threadpoolctl import ThreadpoolController
 
-from derod.branches import compute
-from derod.branches.threads import one_blas_thread
+from derod.branches.half_rod.threads import one_blas_thread
+from derod.branches.paths import compute
 
 
 def blas_threads():

@@ -28,10 +28,10 @@ def run_file(run, tmp_path):
 
 @pytest.fixture(scope="session")
 def ax_file(tmp_path_factory):
-    from derod.branches.arc import Control
-    from derod.branches.catalogue import Catalogue
-    from derod.branches.parameters import Parameters
-    from derod.branches.record import write_branches
+    from derod.branches.files.writing import write_branches
+    from derod.branches.half_rod.parameters import Parameters
+    from derod.branches.paths.arc import Control
+    from derod.branches.paths.catalogue import Catalogue
 
     made = Catalogue(Parameters(), Control(tolerance=1e-9, largest_step=0.4, turning=0.4))
     made.ax()

@@ -213,7 +213,7 @@ def test_a_rod_without_a_drop(run):
 
 
 def test_compare_shows_the_errors_of_every_increment(ax, along_ax):
-    from derod.branches.compare import compare
+    from derod.branches.files.compare import compare
 
     picture = along_ax.plot("compare", ax)
     rows = compare(along_ax, ax)

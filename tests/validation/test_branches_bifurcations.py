@@ -5,10 +5,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from derod.branches.arc import Control
-from derod.branches.catalogue import Catalogue
-from derod.branches.compute import compute_branches
-from derod.branches.parameters import Parameters
+from derod.branches.half_rod.parameters import Parameters
+from derod.branches.paths.arc import Control
+from derod.branches.paths.catalogue import Catalogue
+from derod.branches.paths.compute import compute_branches
 from derod.scene import load_scene
 
 pytestmark = pytest.mark.validation

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from derod.branches.compute import compute_branches
-from derod.branches.parameters import Parameters
+from derod.branches.half_rod.parameters import Parameters
+from derod.branches.paths.compute import compute_branches
 
 pytestmark = pytest.mark.validation
 

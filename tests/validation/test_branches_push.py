@@ -10,10 +10,11 @@ import numpy as np
 import pytest
 
 import derod
-from derod.branches.compare import compare, worst
-from derod.branches.compute import compute_branches
-from derod.branches.parameters import Parameters
-from derod.branches.record import open_branches, write_branches
+from derod.branches.files.compare import compare, worst
+from derod.branches.files.record import open_branches
+from derod.branches.files.writing import write_branches
+from derod.branches.half_rod.parameters import Parameters
+from derod.branches.paths.compute import compute_branches
 from derod.scene import load_scene
 
 pytestmark = pytest.mark.validation

@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_bvp
 
-from derod.branches.arc import Control, frozen
-from derod.branches.catalogue import Catalogue
-from derod.branches.closure import DELTA, FGAMMA
-from derod.branches.mesh import adapted
-from derod.branches.mirror import FULL, LOOP_EVEN
-from derod.branches.newton import settle
-from derod.branches.observables import observables
-from derod.branches.parameters import Parameters
+from derod.branches.half_rod.closure import DELTA, FGAMMA
+from derod.branches.half_rod.mesh import adapted
+from derod.branches.half_rod.mirror import FULL, LOOP_EVEN
+from derod.branches.half_rod.observables import observables
+from derod.branches.half_rod.parameters import Parameters
+from derod.branches.paths.arc import Control, frozen
+from derod.branches.paths.catalogue import Catalogue
+from derod.branches.paths.newton import settle
 
 pytestmark = pytest.mark.validation
 L, K3, FG, RHO = 10.0, 0.9, 20.0, 0.1
@@ -73,8 +73,8 @@ def residual(v0, delta):
 
 def printed_functions(state, at_inner, at_outer):
     """The 30 functions of a half-rod state at fractions of the two intervals."""
-    from derod.branches.element import moment, tangent
-    from derod.branches.fields import evaluate_fields, interpolate
+    from derod.branches.half_rod.element import moment, tangent
+    from derod.branches.half_rod.fields import evaluate_fields, interpolate
 
     fields = evaluate_fields(state)
     y_centre = -state.nodes[-1, 1]

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from derod.branches.compare import compare
+from derod.branches import compare
 from derod.views.plots.kinds import Options
 from derod.views.plots.path import family
 from derod.views.plots.reading import label

@@ -130,7 +130,7 @@ def branch_shape_at(branch: Any, i: int) -> Shape:
 
 def landing_shapes(branch: Any, end_shortening: float) -> list[Shape]:
     """The states of a branch at an end-shortening (D), solved there; none where it has none."""
-    from derod.branches.landing import LandingError, center_line
+    from derod.branches import LandingError, center_line
 
     try:
         found = branch.at(end_shortening)

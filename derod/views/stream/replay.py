@@ -168,6 +168,6 @@ def replay_file(path: str, target: Target, color: str) -> Opened:
 
 def is_branch_file(path: str) -> bool:
     """Whether this is a file of ``derod branch``; what cannot be read is left to the run reader."""
-    from derod.branches.checking import is_branch_file
+    from derod.branches import is_branch_file
 
     return is_branch_file(path)

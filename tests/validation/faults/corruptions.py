@@ -11,7 +11,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from derod.branches.branch import Bifurcation, Branch
+from derod.branches.paths.branch import Bifurcation, Branch
 from derod.errors import DerodError, RecordError
 from derod.push.frames import Ending, Outcome
 from derod.record import RunWriter, open_run, resume_copy
@@ -122,10 +122,10 @@ def flips_of_live(folder: Path, trials: int) -> Found:
 
 def branch_file(folder: Path) -> bytes:
     """A branch file of one path, the straight rod and what leaves it."""
-    from derod.branches.arc import Control
-    from derod.branches.catalogue import Catalogue
-    from derod.branches.parameters import Parameters
-    from derod.branches.record import write_branches
+    from derod.branches.files.writing import write_branches
+    from derod.branches.half_rod.parameters import Parameters
+    from derod.branches.paths.arc import Control
+    from derod.branches.paths.catalogue import Catalogue
 
     parameters = Parameters(wall_strength=2e-2)
     catalogue = Catalogue(parameters, Control(largest_step=0.5))
@@ -138,7 +138,7 @@ def branch_file(folder: Path) -> bytes:
 
 def branch_values(path: Path) -> list[object]:
     """All that a branch file holds."""
-    from derod.branches.record import open_branches
+    from derod.branches.files.record import open_branches
 
     with open_branches(path) as file:
         return [
