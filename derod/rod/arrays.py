@@ -26,6 +26,7 @@ class Mesh(NamedTuple):
     inside: np.ndarray  # fractions of the wetted length, one an inner edge
     quadrature: np.ndarray  # weights of an integral over the wetted part, one an inner node
     layer: float  # D, the length over which the outer edges stay short
+    clamp_layers: bool = False  # whether they are short beside the clamps too
 
     @property
     def edges(self) -> int:

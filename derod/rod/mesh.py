@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from derod.rod.arrays import Mesh
+from derod.scene.program import legs
 from derod.scene.tables import Mesh as MeshOptions
 from derod.scene.tables import Scene
 
@@ -29,8 +30,9 @@ def mesh_of(scene: Scene) -> Mesh:
     """Return the grid of a scene; it does not change along a push."""
     if scene.drop is None:
         return dry_mesh(scene.mesh.edges)
+    heavy = scene.drop.weight != 0 or any(leg.control == "weight" for leg in legs(scene))
     strongest = scene.drop.capillary_force / scene.rod.bending
-    return wetted_mesh(scene.mesh, strongest**-0.5)
+    return wetted_mesh(scene.mesh, strongest**-0.5)._replace(clamp_layers=heavy)
 
 
 def dry_mesh(edges: int) -> Mesh:
