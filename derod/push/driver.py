@@ -9,7 +9,7 @@ follows the same numbers as one that was never stopped.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from derod.record import Run
 
 LEAD_IN = 0.02 * np.pi  # D; a push that starts further in is led there from here
+WEIGHT = "weight"
 SLACK = 0.001 * np.pi  # D, of the first guess of an end that slides
 
 
@@ -56,51 +57,63 @@ class Push:
     # -- the path
 
     def begin(self) -> None:
-        """Settle the first state, led in from a hair's breadth if it lies far in."""
-        scene = self.scene
-        slides = slides_at_start(scene)
-        wanted = scene.push.start if scene.push.control == SHORTENING else None
-        if wanted is None and not slides:
-            wanted = scene.clamps.end_shortening
+        """Settle the first state, led in from a hair's breadth if it lies far in, and record it.
+
+        An upside-down coil is wound without weight, and then loaded.
+        """
+        push, clamps = self.scene.push, self.scene.clamps
+        slides = slides_at_start(self.scene)
+        shortens = push.control == SHORTENING
+        wanted = push.start if shortens else None if slides else clamps.end_shortening
         near = SLACK if wanted is None else min(wanted, LEAD_IN)
-        if scene.push.control == SHORTENING:
-            self.steer(SHORTENING, scene.push.max_step, self.legs[0].locate)
+        physics = self.first_physics(slides)
+        weight = physics.weight if push.bend == "up" else 0.0
+        self.telling.recording = False
+        if shortens:
+            self.steer_leg(0)
         else:
             self.steer(SHORTENING, LEAD_IN)
-        first = self.first_state(near, slides)
-        if wanted is None:
-            self.steer(scene.push.control, scene.push.max_step, self.legs[0].locate)
+        first = self.first_state(physics._replace(weight=physics.weight - weight), near)
+        leads = (wanted is not None and near != wanted) or weight != 0
+        if not leads and shortens:
             self.telling.recording = True
-            self.accept(self.settled(first), landing=True)
+            self.accept(self.increments.settle_down(first), landing=True)
             return
-        led_in = near != wanted
-        other = scene.push.control != SHORTENING
-        self.telling.recording = not (led_in or other)
-        self.accept(self.settled(first), landing=not led_in)
-        if led_in:
+        if wanted is not None:
+            self.accept(self.increments.settle_down(first), landing=False)
             self.advance_to(wanted, ())
-        if led_in or other:
-            self.telling.recording = True
-            if other:
-                self.steer(scene.push.control, scene.push.max_step, self.legs[0].locate)
-                self.remeasure()
-            self.accept(self.increment_here(), landing=True)
+        else:
+            self.here = first.here
+        if weight != 0:
+            self.steer(WEIGHT, HELD[WEIGHT].step(self.scene))
+            self.remeasure()
+            self.advance_to(weight, ())
+        if weight != 0 or not shortens:
+            self.steer_leg(0)
+            self.remeasure()
+        self.telling.recording = True
+        self.accept(self.increments.settle_down(self.increment_here()), landing=True)
 
-    def first_state(self, end_shortening: float, slides: bool) -> Increment:
-        """Settle the bent guess, downhill where its end slides or nothing is found beside it."""
-        scene, work = self.scene, self.increments
+    def first_physics(self, slides: bool) -> Any:
+        """Return the constants of the first state."""
         physics = self.system.physics._replace(slides=slides)
-        side = -1.0 if physics.weight != 0 and scene.push.bend == "up" else 1.0
+        push = self.scene.push
+        if push.control == SHORTENING:
+            return physics
+        unit = self.system.bending ** CONTROLS[push.control].power
+        return physics._replace(**{push.control: push.start / unit})
+
+    def first_state(self, physics: Any, end_shortening: float) -> Increment:
+        """Settle the bent guess, downhill where its end slides or nothing is found beside it."""
+        work = self.increments
+        side = -1.0 if self.scene.push.bend == "up" else 1.0
         guess = bent_guess(self.system, physics, end_shortening, side)
-        if scene.push.control != SHORTENING:
-            unit = self.system.bending ** CONTROLS[scene.push.control].power
-            CONTROLS[scene.push.control].set(guess, scene.push.start / unit)
-        solution = work.relax(guess) if not slides else work.descender().descend(guess).solution
-        if not solution.converged and not slides:
+        solution = None if physics.slides else work.relax(guess)
+        if solution is None or not solution.converged:
             solution = work.descender().descend(guess).solution
         if not solution.converged:
-            state = solution.state
-            if slides and self.system.outer_length(state) < 10 * OUTER_LEAST:
+            outer = self.system.outer_length(solution.state)
+            if physics.slides and outer < 10 * OUTER_LEAST:
                 raise Stuck(
                     Outcome.ROD_RAN_OUT,
                     "no stable state at the start: under this end tension the rod runs in until the "
@@ -113,18 +126,13 @@ class Push:
         here = work.measure(solution.state)
         return Increment(here, solution.iterations, solution.residual, smooth=False)
 
-    def settled(self, increment: Increment) -> Increment:
-        """Return the first increment as a stable one, measured along the present control."""
-        here = self.increments.measure(increment.here.state)
-        return self.increments.settle_down(increment._replace(here=here))
-
     def begin_again(self, run: Run) -> None:
         """Take up a recorded run after its last frame."""
         frames = [frame_of(run, i) for i in range(max(len(run) - 2, 0), len(run))]
         row = frames[-1].row
         self.segment = int(row["segment"])
         leg = self.legs[self.segment]
-        self.steer(leg.control, leg.max_step, leg.locate)
+        self.steer_leg(self.segment)
         state = decode(self.system, frames[-1], slides=leg.slides)
         if row["smooth"] and len(frames) == 2:
             earlier = decode(self.system, frames[0], slides=leg.slides)
@@ -159,7 +167,7 @@ class Push:
             return
         words = HELD[leg.control].words
         self.telling.event("turn", delta, f"from here on the {words} pushes, toward {leg.stop:.6g}")
-        self.steer(leg.control, leg.max_step, leg.locate)
+        self.steer_leg(segment)
         state = self.here.state.copy()
         if leg.slides != before.slides:
             pull = self.here.tension if leg.slides else 0.0
@@ -169,6 +177,11 @@ class Push:
         settled = self.increments.settle_down(self.increment_here())
         if settled.here is not self.here:
             self.accept(settled, landing=False)
+
+    def steer_leg(self, segment: int) -> None:
+        """Push with the control of a leg from here on."""
+        leg = self.legs[segment]
+        self.steer(leg.control, leg.max_step, leg.locate)
 
     def steer(self, name: str, max_step: float, locate: bool = False) -> None:
         """Push with a control from here on; with ``locate``, look for events between increments."""

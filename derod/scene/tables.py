@@ -100,7 +100,8 @@ class Push(Table, frozen=True, kw_only=True):
     """Whether the places of folds and bifurcations are found between increments; None: where
     another control than the end-shortening pushes."""
     bend: str = "down"
-    """Which way a heavy drop's rod bends at first, "down" (it hangs) or "up"."""
+    """Which way the rod bends at first: "down", so that a heavy drop hangs, or "up", where the coil is wound
+    without the weight and then loaded."""
 
 
 class Step(Table, frozen=True, kw_only=True):
