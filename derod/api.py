@@ -8,9 +8,9 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 from derod.errors import RecordError, SceneError
-from derod.push import interrupts
-from derod.push.frames import Ending, Event, Frame, Observer, Outcome
-from derod.push.observers import guarded
+from derod.pushing import interrupts
+from derod.pushing.frames import Ending, Event, Frame, Observer, Outcome
+from derod.pushing.observers import guarded
 from derod.record import (
     BaseRun,
     MemoryRun,
@@ -220,7 +220,7 @@ def _drive(
         return end(Outcome.INTERRUPTED, f"{interrupts.words()} {where}")
 
     try:
-        from derod.push.driver import drive  # compiles kernels, which reading runs does not need
+        from derod.pushing.driver import drive  # compiles kernels, which reading runs does not need
 
         ending = drive(scene, everyone, resume)
     except KeyboardInterrupt:

@@ -22,8 +22,8 @@ import derod
 from derod.equilibrium.loop import relax
 from derod.equilibrium.methods import make_relaxer
 from derod.equilibrium.system import System
-from derod.push.driver import frame_of
-from derod.push.encode import decode
+from derod.pushing.driver import frame_of
+from derod.pushing.encode import decode
 from derod.rod.state import State
 
 SCENE = Path(__file__).with_name("paper-text.toml")

@@ -40,7 +40,7 @@ from derod.equilibrium.loop import relax
 from derod.equilibrium.measured import measure
 from derod.equilibrium.methods import make_relaxer
 from derod.equilibrium.system import System
-from derod.push.controls import CONTROLS
+from derod.pushing.controls import CONTROLS
 from derod.rod.state import State
 from derod.scene import Scene, load_scene
 

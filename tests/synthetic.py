@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from derod.push.frames import Ending, Event, Frame, Observer, Outcome
-from derod.push.rows import ROW
+from derod.pushing.frames import Ending, Event, Frame, Observer, Outcome
+from derod.pushing.rows import ROW
 from derod.record import Run
 from derod.scene import Scene, parse_scene
 
@@ -72,7 +72,7 @@ def make_event(i: int) -> Event:
 
 
 def drive(scene: Scene, observers: Sequence[Observer], resume: Run | None = None) -> Ending:
-    """Stands in for ``derod.push.driver.drive``: 0.01 pi an increment, an event before every fifth."""
+    """Stands in for ``derod.pushing.driver.drive``: 0.01 pi an increment, an event before every fifth."""
     first = 0 if resume is None else len(resume)
     steps = round((scene.push.stop[-1] - scene.push.start) / (0.01 * np.pi)) + 1
     for observer in observers:

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from derod import cli, open_run
-from derod.push.frames import Outcome
+from derod.pushing.frames import Outcome
 from tests.scenes import coil
 
 SCENE = coil(stop='"0.05 pi"', at='["0.02 pi"]').text

@@ -12,8 +12,8 @@ from derod.equilibrium.loop import relax
 from derod.equilibrium.measured import measure
 from derod.equilibrium.methods import make_relaxer
 from derod.equilibrium.system import System
-from derod.push.controls import CONTROLS
-from derod.push.guess import bent_guess
+from derod.pushing.controls import CONTROLS
+from derod.pushing.guess import bent_guess
 
 SCENE = """
 [rod]

@@ -8,7 +8,7 @@ import math
 import pytest
 
 from derod.cli.progress import Pace, Progress, clock_time, way_covered
-from derod.push.frames import Ending, Outcome
+from derod.pushing.frames import Ending, Outcome
 from tests.synthetic import drive, make_event, make_frame, small_scene
 
 

@@ -14,7 +14,7 @@ import pytest
 import derod
 from derod.equilibrium.loop import Report
 from derod.equilibrium.system import System
-from derod.push.guess import bent_guess
+from derod.pushing.guess import bent_guess
 from tests.scenes import coil
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "runs"))

@@ -10,9 +10,9 @@ import derod
 from derod.equilibrium.measured import measure
 from derod.equilibrium.stability import inertia, lowest_mode, sliding_stiffness
 from derod.equilibrium.system import System
-from derod.push.controls import CONTROLS
-from derod.push.driver import frame_of
-from derod.push.encode import decode
+from derod.pushing.controls import CONTROLS
+from derod.pushing.driver import frame_of
+from derod.pushing.encode import decode
 from derod.rod.state import State
 from derod.rod.unknowns import X_C
 from tests.rod.states import dense

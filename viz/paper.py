@@ -33,7 +33,7 @@ from derod.branches.files.compare import compare
 from derod.cli import carry_out
 from derod.cli.terminal import say
 from derod.files.outputs import replacing
-from derod.push.frames import Outcome
+from derod.pushing.frames import Outcome
 from derod.views.plots.reading import branch_shape
 from derod.views.stream.replay import is_branch_file
 

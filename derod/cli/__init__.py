@@ -17,7 +17,7 @@ from derod.cli import terminal
 from derod.cli.exits import BAD_INPUT, DONE, MEANINGS, NOT_REACHED, NOT_SHOWN
 from derod.errors import DerodError, RecordError, printable
 from derod.files.outputs import RefusedError
-from derod.push import interrupts
+from derod.pushing import interrupts
 
 METHODS = ("implicit", "elliptic", "fire", "kinetic")
 

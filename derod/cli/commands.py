@@ -9,8 +9,8 @@ from derod.cli import exits
 from derod.cli.terminal import say, say_done, show
 from derod.errors import RecordError
 from derod.files.outputs import check_output
-from derod.push import interrupts
-from derod.push.frames import Observer, Outcome
+from derod.pushing import interrupts
+from derod.pushing.frames import Observer, Outcome
 from derod.scene import Scene, load_scene
 from derod.scene.checking import check_lines, pushable_words
 from derod.scene.plan import check_plan, planned

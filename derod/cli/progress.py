@@ -9,7 +9,7 @@ import time
 from collections.abc import Callable
 from typing import Any, TextIO
 
-from derod.push.frames import Ending, Event, Frame
+from derod.pushing.frames import Ending, Event, Frame
 from derod.scene import Scene
 
 MEMORY = 5.0  # s, over which the pace is averaged: seconds of easy increments are soon forgotten

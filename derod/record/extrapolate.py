@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from derod.errors import SceneError
-from derod.push.rows import ALL
+from derod.pushing.rows import ALL
 from derod.record.run import BaseRun
 from derod.scene import Scene
 

@@ -21,7 +21,7 @@ from derod.errors import RecordError
 from derod.files.checks import attributes
 from derod.files.digest import committed_digest, frame_digest, head_digest, record_digest
 from derod.files.lock import Lock
-from derod.push.frames import Ending, Event, Frame
+from derod.pushing.frames import Ending, Event, Frame
 from derod.record import layout
 from derod.record.column import Cell, Column
 from derod.record.reader import Run

@@ -11,8 +11,8 @@ from derod.errors import RecordError
 from derod.files import checks
 from derod.files.digest import committed_digest, record_digest
 from derod.files.gate import Gate
-from derod.push.frames import Ending, Outcome
-from derod.push.rows import ROW
+from derod.pushing.frames import Ending, Outcome
+from derod.pushing.rows import ROW
 from derod.record import layout
 
 

@@ -27,7 +27,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from derod.push.rows import ALL, ROW
+from derod.pushing.rows import ALL, ROW
 
 FORMAT = 2
 """Version of this layout; readers refuse a newer one."""

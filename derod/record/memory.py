@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from derod.errors import RecordError
-from derod.push.frames import Ending, Event, Frame
-from derod.push.rows import ROW
+from derod.pushing.frames import Ending, Event, Frame
+from derod.pushing.rows import ROW
 from derod.record import layout
 from derod.record.run import BaseRun
 from derod.scene import Scene

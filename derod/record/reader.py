@@ -12,7 +12,7 @@ from derod.errors import RecordError, SceneError
 from derod.files import checks
 from derod.files.digest import record_digest, table_digest
 from derod.files.gate import Gate, open_gate
-from derod.push.frames import Ending, Event
+from derod.pushing.frames import Ending, Event
 from derod.record import layout
 from derod.record.head import Head, WrongKindError
 from derod.record.run import BaseRun

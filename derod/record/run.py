@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
-from derod.push.frames import Ending, Event, Frame, Outcome
+from derod.pushing.frames import Ending, Event, Frame, Outcome
 from derod.record import layout
 from derod.scene import Scene
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from derod.errors import RecordError
 from derod.files.lock import Lock
 from derod.files.outputs import check_output, passing_name, publish, sweep
-from derod.push.frames import Ending, Event, Frame, Outcome
+from derod.pushing.frames import Ending, Event, Frame, Outcome
 from derod.record.growing import GrowingFile, NoRoomError
 from derod.record.reader import Run, open_run
 from derod.record.verify import verify_head

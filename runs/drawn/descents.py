@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from derod.equilibrium.loop import Report
 from derod.equilibrium.system import System
-from derod.push.frames import Ending, Event, Frame
+from derod.pushing.frames import Ending, Event, Frame
 from derod.rod.state import State
 from derod.scene import Scene
 

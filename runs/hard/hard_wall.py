@@ -17,7 +17,7 @@ from derod.equilibrium.loop import relax
 from derod.equilibrium.measured import measure
 from derod.equilibrium.methods import make_relaxer
 from derod.equilibrium.system import System
-from derod.push.controls import CONTROLS
+from derod.pushing.controls import CONTROLS
 from derod.rod.state import State
 from derod.rod.unknowns import S_A, S_B, X_C
 

@@ -22,10 +22,10 @@ from derod.equilibrium.loop import relax
 from derod.equilibrium.measured import measure
 from derod.equilibrium.methods import make_relaxer
 from derod.equilibrium.system import System
-from derod.push.controls import CONTROLS
-from derod.push.driver import frame_of
-from derod.push.encode import decode
-from derod.push.guess import bent_guess
+from derod.pushing.controls import CONTROLS
+from derod.pushing.driver import frame_of
+from derod.pushing.encode import decode
+from derod.pushing.guess import bent_guess
 from derod.record import BaseRun, open_run
 from derod.rod.state import State
 
@@ -220,7 +220,7 @@ def poisoned() -> Trial:
         return systems[0]
 
     rows, node = 12, 40
-    with tempfile.TemporaryDirectory() as folder, patch("derod.push.driver.System", remembered):
+    with tempfile.TemporaryDirectory() as folder, patch("derod.pushing.driver.System", remembered):
         scene = paper({"mesh.edges": 100, "push.stop": "0.5 pi"})
         run = derod.push(scene, Path(folder) / "run.h5", [Poison(systems, rows, node)])
         with run:

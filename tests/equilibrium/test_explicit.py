@@ -12,11 +12,11 @@ from derod.equilibrium.loop import Outcome, relax
 from derod.equilibrium.measured import measure
 from derod.equilibrium.methods import make_relaxer
 from derod.equilibrium.system import System
-from derod.push.controls import CONTROLS
-from derod.push.driver import frame_of
-from derod.push.encode import decode
-from derod.push.guess import bent_guess
-from derod.push.predict import predict
+from derod.pushing.controls import CONTROLS
+from derod.pushing.driver import frame_of
+from derod.pushing.encode import decode
+from derod.pushing.guess import bent_guess
+from derod.pushing.predict import predict
 from derod.rod.state import State
 from tests.scenes import coil
 

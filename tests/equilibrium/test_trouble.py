@@ -8,7 +8,7 @@ import pytest
 from derod.equilibrium.loop import Outcome, relax
 from derod.equilibrium.methods import make_relaxer
 from derod.equilibrium.system import System
-from derod.push.guess import bent_guess
+from derod.pushing.guess import bent_guess
 from tests.scenes import coil
 
 

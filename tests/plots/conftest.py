@@ -51,8 +51,8 @@ def ax(ax_file):
 @pytest.fixture
 def along_ax(ax):
     """A run in memory whose increments are points of Ax, the tension of the third 1 % too large."""
-    from derod.push.frames import Ending, Frame, Outcome
-    from derod.push.rows import ROW
+    from derod.pushing.frames import Ending, Frame, Outcome
+    from derod.pushing.rows import ROW
     from derod.record import MemoryRun
     from tests.scenes import coil
 

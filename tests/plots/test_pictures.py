@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from derod.push.frames import Event
+from derod.pushing.frames import Event
 
 
 def lines(axes, start):

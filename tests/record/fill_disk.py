@@ -8,7 +8,7 @@ import signal
 import sys
 
 from derod.errors import RecordError
-from derod.push.frames import Ending, Outcome
+from derod.pushing.frames import Ending, Outcome
 from derod.record import RunWriter
 from tests.synthetic import make_frame, small_scene
 

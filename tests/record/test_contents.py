@@ -11,8 +11,8 @@ import pytest
 
 import derod
 from derod.errors import RecordError
-from derod.push.frames import Ending, Event, Outcome
-from derod.push.rows import ROW
+from derod.pushing.frames import Ending, Event, Outcome
+from derod.pushing.rows import ROW
 from derod.record import RunWriter, growing, layout, open_run, resume_copy
 from tests.synthetic import drive, is_frame, make_event, make_frame, small_scene
 

@@ -11,10 +11,10 @@ from pathlib import Path
 
 import pytest
 
-import derod.push.driver
+import derod.pushing.driver
 from derod import push
 from derod.errors import InUseError, RecordError
-from derod.push.frames import Frame, Outcome
+from derod.pushing.frames import Frame, Outcome
 from derod.record import RunWriter, growing, open_run, resume_copy
 from tests.synthetic import drive, is_frame, make_event, make_frame, small_scene
 
@@ -24,7 +24,7 @@ ROOT = Path(__file__).parent.parent.parent
 @pytest.fixture
 def synthetic(monkeypatch: pytest.MonkeyPatch) -> None:
     """``derod.push`` without physics."""
-    monkeypatch.setattr(derod.push.driver, "drive", drive)
+    monkeypatch.setattr(derod.pushing.driver, "drive", drive)
 
 
 def begun(path: Path, count: int = 3) -> RunWriter:

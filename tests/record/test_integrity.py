@@ -13,7 +13,7 @@ import pytest
 
 from derod.errors import RecordError
 from derod.files import superblock
-from derod.push.rows import ROW
+from derod.pushing.rows import ROW
 from derod.record import RunWriter, attach_extrapolated, layout, open_run, resume_copy
 from tests.synthetic import drive, is_frame, make_event, make_frame, small_scene
 

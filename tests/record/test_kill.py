@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 import derod
-from derod.push.frames import Outcome
+from derod.pushing.frames import Outcome
 from derod.record import open_run, resume_copy
 from tests.scenes import coil
 from tests.synthetic import drive, is_frame, make_event, make_frame, small_scene

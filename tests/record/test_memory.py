@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from derod.errors import RecordError
-from derod.push.frames import Outcome
-from derod.push.rows import ROW
+from derod.pushing.frames import Outcome
+from derod.pushing.rows import ROW
 from derod.record import MemoryRun
 from tests.synthetic import drive, make_frame, small_scene
 

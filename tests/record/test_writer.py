@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 
 from derod.errors import RecordError
-from derod.push.frames import Ending, Outcome
-from derod.push.rows import ROW
+from derod.pushing.frames import Ending, Outcome
+from derod.pushing.rows import ROW
 from derod.record import Run, RunWriter, layout, open_run, resume_copy
 from tests.synthetic import is_frame, make_event, make_frame, small_scene
 

@@ -5,7 +5,7 @@ import pytest
 
 import derod
 from derod.equilibrium.loop import Report
-from derod.push.frames import Ending, Event, Outcome
+from derod.pushing.frames import Ending, Event, Outcome
 from derod.rod.physics import constants
 from derod.rod.state import State
 from derod.views.stream.observer import MOST_STEPS, RelaxationWatch, RerunStream

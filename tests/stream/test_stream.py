@@ -11,7 +11,7 @@ import time
 import numpy as np
 import pytest
 
-from derod.push.frames import Frame
+from derod.pushing.frames import Frame
 from derod.record import MemoryRun
 from derod.views.stream import observer
 from derod.views.stream.observer import RerunStream

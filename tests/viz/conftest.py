@@ -80,8 +80,8 @@ def branches():
 @pytest.fixture
 def run():
     """A push without physics, but with a shape that can be drawn."""
-    from derod.push.frames import Ending, Event, Frame, Outcome
-    from derod.push.rows import ROW
+    from derod.pushing.frames import Ending, Event, Frame, Outcome
+    from derod.pushing.rows import ROW
     from derod.record import MemoryRun
     from tests.synthetic import small_scene
 

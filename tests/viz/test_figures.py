@@ -219,7 +219,7 @@ def test_figures_are_outputs_like_any_other(run, tmp_path):
 def test_what_was_interrupted_is_not_taken_for_finished(tmp_path):
     import paper
 
-    from derod.push.frames import Ending, Outcome
+    from derod.pushing.frames import Ending, Outcome
     from derod.record import RunWriter
     from tests.synthetic import make_frame, small_scene
 

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 from derod.cli.terminal import finish, say_done, show
 from derod.errors import DerodError
-from derod.push.interrupts import acknowledge
+from derod.pushing.interrupts import acknowledge
 
 if TYPE_CHECKING:
-    from derod.push.frames import Observer
+    from derod.pushing.frames import Observer
     from derod.scene import Scene
 
 COLORS = ("curvature", "tension", "wall", "twist")

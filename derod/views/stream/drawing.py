@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from derod.push.frames import Frame
+from derod.pushing.frames import Frame
 from derod.scene import Scene
 from derod.views.stream import fields
 from derod.views.stream.geometry import material_frame, point_at, tube

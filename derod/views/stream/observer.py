@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from derod.cli.terminal import say
 from derod.files.outputs import check_output
-from derod.push.frames import Ending, Event, Frame
+from derod.pushing.frames import Ending, Event, Frame
 from derod.scene import Scene
 from derod.views.stream.messages import Begin, Step
 from derod.views.stream.pipe import Pipe

@@ -20,8 +20,8 @@ import numpy as np
 
 from derod.cli.terminal import say
 from derod.files.outputs import OutputError
-from derod.push.frames import Ending, Event, Frame
-from derod.push.rows import ROW
+from derod.pushing.frames import Ending, Event, Frame
+from derod.pushing.rows import ROW
 from derod.views.stream.drawing import Batch, Column, draw, draw_shapes
 from derod.views.stream.messages import Begin, Step
 from derod.views.stream.target import TargetError

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import rerun as rr
 
-from derod.push.frames import Ending, Event
+from derod.pushing.frames import Ending, Event
 from derod.scene import Scene
 from derod.views.stream import fields
 from derod.views.stream.blueprint import run_blueprint

@@ -2,7 +2,7 @@
 
 import sys
 
-from derod.push.frames import Ending, Outcome
+from derod.pushing.frames import Ending, Outcome
 from derod.record import resume_copy
 
 if __name__ == "__main__":

@@ -13,7 +13,7 @@ import numpy as np
 
 from derod.branches.paths.branch import Bifurcation, Branch
 from derod.errors import DerodError, RecordError
-from derod.push.frames import Ending, Outcome
+from derod.pushing.frames import Ending, Outcome
 from derod.record import RunWriter, open_run, resume_copy
 from tests.synthetic import drive, is_frame, make_event, make_frame, small_scene
 from tests.validation.faults.trial import Found

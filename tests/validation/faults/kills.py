@@ -11,7 +11,7 @@ import numpy as np
 
 import derod
 from derod.errors import RecordError
-from derod.push.frames import Outcome
+from derod.pushing.frames import Outcome
 from derod.record import BaseRun, RunWriter, open_run
 from tests.scenes import coil
 from tests.synthetic import drive, is_frame, small_scene

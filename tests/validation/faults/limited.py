@@ -6,7 +6,7 @@ from derod.cli import main
 from tests.validation.faults.kills import limit_files
 
 if __name__ == "__main__":
-    import derod.push.driver  # noqa: F401  kernels are compiled and kept before the disk is full
+    import derod.pushing.driver  # noqa: F401  kernels are compiled and kept before the disk is full
 
     limit_files(int(sys.argv[1]))
     sys.exit(main(["push", sys.argv[2], "-o", sys.argv[3], "--quiet"]))

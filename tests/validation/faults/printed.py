@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import derod
-from derod.push.frames import Outcome
+from derod.pushing.frames import Outcome
 from derod.record import open_run
 from tests.scenes import coil
 from tests.validation.faults.trial import PATIENCE, ROOT, Found, environment

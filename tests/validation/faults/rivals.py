@@ -10,7 +10,7 @@ import time
 from pathlib import Path
 
 import derod
-from derod.push.frames import Outcome
+from derod.pushing.frames import Outcome
 from derod.record import open_run
 from tests.scenes import coil
 from tests.validation.faults.kills import is_the_same

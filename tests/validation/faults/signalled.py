@@ -7,7 +7,7 @@ import signal
 import time
 from pathlib import Path
 
-from derod.push.frames import Outcome
+from derod.pushing.frames import Outcome
 from derod.record import open_run
 from tests.validation.faults.kills import is_new
 from tests.validation.faults.rivals import long_scene, rows

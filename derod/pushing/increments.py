@@ -13,14 +13,14 @@ from derod.equilibrium.loop import Outcome as RelaxOutcome
 from derod.equilibrium.loop import Relaxer, Solution, relax
 from derod.equilibrium.measured import Measured, measure
 from derod.equilibrium.system import System
-from derod.push.descent import Descender, Descent, Noise
-from derod.push.frames import Outcome
-from derod.push.ledger import Verdict, compare
-from derod.push.locating import crossing, fold
-from derod.push.predict import predict
-from derod.push.stride import Stride
-from derod.push.stuck import Stuck, outcome_of
-from derod.push.telling import Telling
+from derod.pushing.descent import Descender, Descent, Noise
+from derod.pushing.frames import Outcome
+from derod.pushing.ledger import Verdict, compare
+from derod.pushing.locating import crossing, fold
+from derod.pushing.predict import predict
+from derod.pushing.stride import Stride
+from derod.pushing.stuck import Stuck, outcome_of
+from derod.pushing.telling import Telling
 from derod.rod.state import State
 from derod.scene.tables import Noise as NoiseOptions
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from derod.equilibrium.energies import PARTS
-from derod.push.columns import COLUMNS, Column, control_column, energy_column
-from derod.push.controls import CONTROLS
+from derod.pushing.columns import COLUMNS, Column, control_column, energy_column
+from derod.pushing.controls import CONTROLS
 
 
 def completed(columns: list[Column]) -> tuple[Column, ...]:

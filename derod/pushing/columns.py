@@ -1,6 +1,6 @@
 """The columns of a run's table, each described once: type, unit, symbol, and where its value comes from.
 
-Data types (``push.rows``), units in files, labels in plots and what extrapolation may improve are read off
+Data types (``pushing.rows``), units in files, labels in plots and what extrapolation may improve are read off
 this list.
 ``power`` is the power of ``rod.bending`` that turns a value of the rod's units into one of K0's.
 """
@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from derod.push.controls import CONTROLS, Control
+from derod.pushing.controls import CONTROLS, Control
 
 if TYPE_CHECKING:
     import numpy as np

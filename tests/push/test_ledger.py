@@ -13,9 +13,9 @@ import derod
 from derod.equilibrium.energies import Energies
 from derod.equilibrium.measured import Measured
 from derod.equilibrium.reactions import Reactions
-from derod.push import increments
-from derod.push.frames import Outcome
-from derod.push.ledger import Verdict, compare
+from derod.pushing import increments
+from derod.pushing.frames import Outcome
+from derod.pushing.ledger import Verdict, compare
 from derod.rod.physics import constants
 from derod.rod.state import State
 from tests.scenes import coil

@@ -10,11 +10,11 @@ from derod.equilibrium.loop import Outcome, Report, relax
 from derod.equilibrium.measured import measure
 from derod.equilibrium.methods import make_relaxer
 from derod.equilibrium.system import System
-from derod.push.controls import CONTROLS
-from derod.push.descent import Descender, Descent, Noise
-from derod.push.driver import frame_of
-from derod.push.encode import decode
-from derod.push.kicks import breaks_a_symmetry, kick
+from derod.pushing.controls import CONTROLS
+from derod.pushing.descent import Descender, Descent, Noise
+from derod.pushing.driver import frame_of
+from derod.pushing.encode import decode
+from derod.pushing.kicks import breaks_a_symmetry, kick
 from derod.rod.state import State
 from derod.scene import Scene
 from tests.scenes import coil

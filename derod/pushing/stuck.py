@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from derod.equilibrium.loop import Outcome as RelaxOutcome
-from derod.push.frames import Outcome
+from derod.pushing.frames import Outcome
 
 
 class Stuck(Exception):  # noqa: N818 - an ending, not an error

@@ -9,8 +9,8 @@ import pytest
 
 import derod
 from derod.errors import SceneError
-from derod.push.frames import Outcome
-from derod.push.stride import Stride
+from derod.pushing.frames import Outcome
+from derod.pushing.stride import Stride
 from derod.record import BaseRun
 from tests.scenes import coil
 

@@ -9,10 +9,10 @@ import numpy as np
 
 from derod.equilibrium.measured import Measured
 from derod.equilibrium.system import System
-from derod.push.columns import Settled
-from derod.push.controls import CONTROLS
-from derod.push.frames import Frame
-from derod.push.rows import ALL, ROW
+from derod.pushing.columns import Settled
+from derod.pushing.controls import CONTROLS
+from derod.pushing.frames import Frame
+from derod.pushing.rows import ALL, ROW
 from derod.rod.state import State
 from derod.rod.unknowns import BORDER, F_A, S_A, S_B, X_C
 

@@ -17,16 +17,16 @@ from derod.equilibrium.measured import Measured
 from derod.equilibrium.methods import make_relaxer
 from derod.equilibrium.system import System
 from derod.errors import RecordError
-from derod.push import interrupts
-from derod.push.columns import Settled
-from derod.push.controls import CONTROLS
-from derod.push.encode import decode
-from derod.push.frames import Ending, Frame, Observer, Outcome
-from derod.push.guess import bent_guess
-from derod.push.increments import OUTER_LEAST, Increment, Increments
-from derod.push.stride import Stride, same_place
-from derod.push.stuck import Stuck, outcome_of
-from derod.push.telling import Telling
+from derod.pushing import interrupts
+from derod.pushing.columns import Settled
+from derod.pushing.controls import CONTROLS
+from derod.pushing.encode import decode
+from derod.pushing.frames import Ending, Frame, Observer, Outcome
+from derod.pushing.guess import bent_guess
+from derod.pushing.increments import OUTER_LEAST, Increment, Increments
+from derod.pushing.stride import Stride, same_place
+from derod.pushing.stuck import Stuck, outcome_of
+from derod.pushing.telling import Telling
 from derod.scene import Scene
 from derod.scene.controls import HELD
 from derod.scene.program import SHORTENING, legs, slides_at_start

@@ -10,7 +10,7 @@ import numpy as np
 from derod.equilibrium.loop import Outcome, Solution
 from derod.equilibrium.measured import Measured
 from derod.equilibrium.system import System
-from derod.push.kicks import Kick, kick
+from derod.pushing.kicks import Kick, kick
 from derod.rod.state import State
 
 MOST_KICKS = 12  # in one descent

@@ -5,7 +5,7 @@ from __future__ import annotations
 from derod.equilibrium.control import Control
 from derod.equilibrium.measured import Measured
 from derod.equilibrium.system import System
-from derod.push.prediction import extrapolate
+from derod.pushing.prediction import extrapolate
 from derod.rod.state import State
 
 LONGEST_LOOK_AHEAD = 2.5  # of the last increment, for the second order
@@ -18,7 +18,7 @@ def predict(
 
     Second order where ``before``, the state before on the same branch, is near enough; first order
     otherwise; along the wall's curve where a straight prediction runs into it. Near a joint or a fold the
-    slope is steep, and only a shorter step has a sound guess (``push.prediction``).
+    slope is steep, and only a shorter step has a sound guess (``pushing.prediction``).
     """
     state = here.state
     h = target - here.control_value

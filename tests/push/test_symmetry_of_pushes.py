@@ -10,10 +10,10 @@ import pytest
 import derod
 from derod.equilibrium.measured import measure
 from derod.equilibrium.system import System
-from derod.push import driver
-from derod.push.columns import Settled
-from derod.push.controls import CONTROLS
-from derod.push.encode import decode, encode
+from derod.pushing import driver
+from derod.pushing.columns import Settled
+from derod.pushing.controls import CONTROLS
+from derod.pushing.encode import decode, encode
 from derod.record import BaseRun
 from derod.rod.state import State
 from tests.scenes import coil

@@ -10,9 +10,9 @@ import numpy as np
 from derod.equilibrium.loop import Report
 from derod.equilibrium.measured import Measured
 from derod.equilibrium.system import System
-from derod.push.columns import Settled
-from derod.push.encode import encode
-from derod.push.frames import Event, Frame, Observer, RelaxationObserver
+from derod.pushing.columns import Settled
+from derod.pushing.encode import encode
+from derod.pushing.frames import Event, Frame, Observer, RelaxationObserver
 from derod.rod.state import State
 from derod.scene.resolution import COARSE, edges_enough
 
