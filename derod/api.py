@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Sequence
-from itertools import pairwise
 
 from derod.errors import RecordError, SceneError
 from derod.pushing import interrupts
+from derod.pushing.continuing import check_continues
 from derod.pushing.frames import Ending, Event, Frame, Observer, Outcome
 from derod.pushing.observers import guarded
 from derod.record import (
@@ -128,41 +128,6 @@ def _extrapolated(run: BaseRun) -> BaseRun:
     run.close()
     attach_extrapolated(path, table)
     return open_run(path)
-
-
-def check_continues(old: BaseRun, scene: Scene) -> None:
-    """Raise SceneError unless ``scene`` is what ``old`` ran, but for where the push goes next."""
-    before = old.scene
-    for table in ("material", "rod", "drop", "clamps", "mesh", "noise", "model"):
-        if getattr(scene, table) != getattr(before, table):
-            raise SceneError("differs from the run that is resumed", file=scene.path, key=table)
-    if scene.push.start != before.push.start:
-        raise SceneError("differs from the run that is resumed", file=scene.path, key="push.start")
-    if not len(old):
-        return
-    leg, reached = int(old.table["segment"][-1]), float(old.table["end_shortening"][-1])
-    if len(scene.push.stop) <= leg or scene.push.stop[:leg] != before.push.stop[:leg]:
-        raise SceneError("differs in a leg that is done", file=scene.path, key="push.stop")
-    begin = (before.push.start, *before.push.stop)[leg]
-    onward = math.copysign(1.0, before.push.stop[leg] - begin)
-    if (scene.push.stop[leg] - reached) * onward < 0.0:
-        raise SceneError(
-            "has been passed",
-            file=scene.path,
-            key="push.stop",
-            value=scene.push.stop[leg],
-            allowed=f"{'at least' if onward > 0.0 else 'at most'} {reached:.6g}, where the run is",
-        )
-    ahead = list(pairwise((reached, *scene.push.stop[leg:])))
-    for landing in sorted(set(scene.push.at) - set(before.push.at)):
-        if not any(min(a, b) <= landing <= max(a, b) and landing != reached for a, b in ahead):
-            raise SceneError(
-                "has been passed",
-                file=scene.path,
-                key="push.at",
-                value=landing,
-                allowed=f"landings ahead of {reached:.6g}, where the run is",
-            )
 
 
 class _FirstToHear:

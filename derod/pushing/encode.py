@@ -33,7 +33,7 @@ def encode(system: System, here: Measured, settled: Settled) -> Frame:
     )
 
 
-def decode(system: System, frame: Frame, *, slides: bool) -> State:
+def decode(system: System, frame: Frame, *, slides: bool = False) -> State:
     """Return the state of a recorded frame; ``slides`` tells whether its end was under a dead load."""
     d, unit = system.dimension, system.bending
     row = frame.row

@@ -216,7 +216,8 @@ def plain(value: Any) -> Any:
     if isinstance(value, Material):
         return plain_material(value)
     if isinstance(value, Table):
-        return {name: plain(getattr(value, name)) for name in value.__struct_fields__}
+        given = ((name, getattr(value, name)) for name in value.__struct_fields__)
+        return {name: plain(item) for name, item in given if item is not None}
     if isinstance(value, Mapping):
         return {name: plain(item) for name, item in value.items()}
     if isinstance(value, tuple | list):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from typing import Any
 from unittest.mock import patch
 
 import numpy as np
@@ -53,8 +54,8 @@ def push_from(scene: derod.Scene, change) -> BaseRun:
     """Push a scene from the image of its first guess, and kick with the image of its noise."""
     real = driver.bent_guess
 
-    def guess(system: System, delta: float) -> State:
-        state = real(system, delta)
+    def guess(system: System, physics: Any, delta: float, side: float) -> State:
+        state = real(system, physics, delta, side)
         if state.dimension == 3:  # out of its plane, so that there is something to mirror
             place = np.linspace(0, np.pi, system.edges + 1)[1:-1]
             state.q[1:-1, 0] += 2e-3 * np.sin(place) + 1e-3 * np.sin(2 * place)

@@ -29,7 +29,7 @@ def test_agrees_with_the_branches(weight: float) -> None:
     states = heavy_states(Parameters.from_scene(scene), deltas, paths=("Ax", "3D"))
     for delta in deltas:
         (row,) = run.table[run.table["end_shortening"] == delta]
-        stable = [state for state in states[delta] if state.stability.unstable_modes == 0]
+        stable = [state for state in states[delta] if state.stability.modes == 0]
         errors = [
             max(
                 abs(row[mine] - state.values[theirs]) / max(1.0, abs(state.values[theirs]))

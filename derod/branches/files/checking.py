@@ -11,7 +11,8 @@ import numpy as np
 
 from derod.branches.files.layout import BIFURCATION, FORMATS, POINT
 from derod.errors import RecordError, shown_name
-from derod.files import Gate, checks, digest, open_gate
+from derod.files import checks, digest
+from derod.files.gate import Gate, open_gate
 
 DamageError = checks.DamageError
 DATASETS = ("table", "bifurcations", "nodes", "eta")

@@ -11,7 +11,8 @@ from derod.branches.files import checking
 from derod.branches.files.layout import FORMAT, OLD_FORMAT
 from derod.branches.files.stored import StoredBranch
 from derod.branches.half_rod.parameters import Parameters
-from derod.files import checks, open_gate
+from derod.files import checks
+from derod.files.gate import open_gate
 
 if TYPE_CHECKING:
     from derod.views.plots.picture import Picture
