@@ -6,6 +6,7 @@ import math
 
 from derod.equilibrium import accelerated
 from derod.equilibrium.loop import Report
+from derod.equilibrium.motion import new_motion
 from derod.equilibrium.system import System
 from derod.rod.state import State
 
@@ -25,7 +26,7 @@ class Elliptic:
     ) -> Report:
         """Take the residual of the state, and start at rest; the way is downhill in any case."""
         self.system, self.state, self.tolerance = system, state, tolerance
-        self.motion = accelerated.new_motion(system.edges, system.dimension)
+        self.motion = new_motion(system.edges, system.dimension)
         sound = system.gradient(state) and system.wall_gap(state) > 0
         _, residual = system.excess(state, tolerance)
         unknown = math.inf  # what is left in soft modes shows in the first step's solution

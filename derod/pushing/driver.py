@@ -9,7 +9,7 @@ follows the same numbers as one that was never stopped.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -21,11 +21,11 @@ from derod.pushing import interrupts
 from derod.pushing.columns import Settled
 from derod.pushing.controls import CONTROLS
 from derod.pushing.encode import decode
+from derod.pushing.first import first_physics, first_state
 from derod.pushing.frames import Ending, Frame, Observer, Outcome
-from derod.pushing.guess import bent_guess
 from derod.pushing.increments import OUTER_LEAST, Increment, Increments
 from derod.pushing.stride import Stride, same_place
-from derod.pushing.stuck import Stuck, outcome_of
+from derod.pushing.stuck import Stuck
 from derod.pushing.telling import Telling
 from derod.scene import Scene
 from derod.scene.controls import HELD
@@ -66,14 +66,15 @@ class Push:
         shortens = push.control == SHORTENING
         wanted = push.start if shortens else None if slides else clamps.end_shortening
         near = SLACK if wanted is None else min(wanted, LEAD_IN)
-        physics = self.first_physics(slides)
+        physics = first_physics(self.system, self.scene, slides)
         weight = physics.weight if push.bend == "up" else 0.0
         self.telling.recording = False
         if shortens:
             self.steer_leg(0)
         else:
             self.steer(SHORTENING, LEAD_IN)
-        first = self.first_state(physics._replace(weight=physics.weight - weight), near)
+        unloaded = physics._replace(weight=physics.weight - weight)
+        first = first_state(self.increments, self.scene, unloaded, near)
         leads = (wanted is not None and near != wanted) or weight != 0
         if not leads and shortens:
             self.telling.recording = True
@@ -93,38 +94,6 @@ class Push:
             self.remeasure()
         self.telling.recording = True
         self.accept(self.increments.settle_down(self.increment_here()), landing=True)
-
-    def first_physics(self, slides: bool) -> Any:
-        """Return the constants of the first state."""
-        physics = self.system.physics._replace(slides=slides)
-        push = self.scene.push
-        if push.control == SHORTENING:
-            return physics
-        unit = self.system.bending ** CONTROLS[push.control].power
-        return physics._replace(**{push.control: push.start / unit})
-
-    def first_state(self, physics: Any, end_shortening: float) -> Increment:
-        """Settle the bent guess, downhill where its end slides or nothing is found beside it."""
-        work = self.increments
-        side = -1.0 if self.scene.push.bend == "up" else 1.0
-        guess = bent_guess(self.system, physics, end_shortening, side)
-        solution = None if physics.slides else work.relax(guess)
-        if solution is None or not solution.converged:
-            solution = work.descender().descend(guess).solution
-        if not solution.converged:
-            outer = self.system.outer_length(solution.state)
-            if physics.slides and outer < 10 * OUTER_LEAST:
-                raise Stuck(
-                    Outcome.ROD_RAN_OUT,
-                    "no stable state at the start: under this end tension the rod runs in until the "
-                    "outer rod has run out",
-                )
-            raise Stuck(
-                outcome_of(solution.outcome),
-                f"no first equilibrium from the bent guess: {solution.message}",
-            )
-        here = work.measure(solution.state)
-        return Increment(here, solution.iterations, solution.residual, smooth=False)
 
     def begin_again(self, run: Run) -> None:
         """Take up a recorded run after its last frame."""

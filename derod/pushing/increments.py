@@ -124,7 +124,18 @@ class Increments:
             return None
         if entry.verdict is Verdict.LOST or descent.kicks:
             place, _ = self.end_of_branch(here, before)
-            self.tell_snap(here, there, place, reason, descent, entry.defect)
+            lost = -entry.defect * self.system.bending
+            located = "" if place == here.control_value else f" at {self.place(place, 9)}"
+            begun = self.place(here.control_value)
+            self.telling.event(
+                "snap",
+                there.state.end_shortening,
+                f"the branch ends{located} ({reason}); descended from {begun} to the next minimum"
+                f"{slid(here, there, lost)}, {moved(here, there)}{after_semicolon(descent.sides())}",
+                here.energy_hat,
+                there.energy_hat,
+                self.told(place),
+            )
         self.stride.start_again()
         return Increment(there, descent.iterations, descent.solution.residual, False, entry.defect)
 
@@ -264,38 +275,22 @@ class Increments:
             value=self.told(here.control_value),
         )
 
-    def tell_snap(
-        self,
-        here: Measured,
-        there: Measured,
-        place: float,
-        reason: str,
-        descent: Descent,
-        defect: float,
-    ) -> None:
-        """Say that the branch has ended, and where the rod went."""
-        sides = descent.sides()
-        slid = ""
-        if here.state.physics.slides:
-            slid = (
-                f", end-shortening {here.state.end_shortening:.6g} to {there.state.end_shortening:.6g}, "
-                f"energy lost {-defect * self.system.bending:.6g}"
-            )
-        located = "" if place == here.control_value else f" at {self.place(place, 9)}"
-        start = self.place(here.control_value)
-        self.telling.event(
-            "snap",
-            there.state.end_shortening,
-            f"the branch ends{located} ({reason}); descended from {start} to the next "
-            f"minimum{slid}, {moved(here, there)}{'; ' * bool(sides)}{sides}",
-            here.energy_hat,
-            there.energy_hat,
-            self.told(place),
-        )
-
 
 def moved(before: Measured, after: Measured) -> str:
     """Say how far a node moved between two states."""
     d = before.state.dimension
     farthest = float(np.abs(after.state.q[:, :d] - before.state.q[:, :d]).max())
     return f"nodes moved {farthest:.3g} D"
+
+
+def slid(before: Measured, after: Measured, lost: float) -> str:
+    """Say where an end that slides went, and what energy was lost (K0/D)."""
+    if not before.state.physics.slides:
+        return ""
+    start, end = before.state.end_shortening, after.state.end_shortening
+    return f", end-shortening {start:.6g} to {end:.6g}, energy lost {lost:.6g}"
+
+
+def after_semicolon(words: str) -> str:
+    """Put words after a semicolon, if there are any."""
+    return f"; {words}" if words else ""

@@ -90,4 +90,4 @@ HELD: dict[str, Held] = {
 def held_value(scene: Scene, control: str) -> float | None:
     """The value that stands in the scene's tables, None where none does."""
     table = getattr(scene, HELD[control].table)
-    return None if table is None else getattr(table, control)
+    return None if table is None else getattr(table, control, None)

@@ -15,7 +15,7 @@ import msgspec.structs
 from derod.errors import SceneError
 from derod.scene.controls import HELD, held_value
 from derod.scene.material import MATERIAL_KEYS, derived, plain_material, with_groups
-from derod.scene.rules import KEYS, Key, check_together
+from derod.scene.rules import KEYS, Key
 from derod.scene.tables import (
     Clamps,
     Drop,
@@ -30,6 +30,7 @@ from derod.scene.tables import (
     Step,
     Table,
 )
+from derod.scene.together import check_together
 
 MOST_BYTES = 2**18
 """Of a scene file."""

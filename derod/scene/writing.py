@@ -8,8 +8,9 @@ from typing import Any
 from derod.scene.experiment import Group, group_errors
 from derod.scene.material import derived, plain_material
 from derod.scene.quantities import write_quantity
-from derod.scene.rules import QUANTITIES, covered_range
+from derod.scene.rules import QUANTITIES
 from derod.scene.tables import Material, Scene, Step
+from derod.scene.together import covered_range
 
 
 def dump_scene(scene: Scene) -> str:

@@ -11,7 +11,7 @@ import pytest
 import derod
 from derod.equilibrium.measured import measure
 from derod.equilibrium.system import System
-from derod.pushing import driver
+from derod.pushing import driver, first
 from derod.pushing.columns import Settled
 from derod.pushing.controls import CONTROLS
 from derod.pushing.encode import decode, encode
@@ -52,7 +52,7 @@ def from_the_other_end(state: State, length: float) -> State:
 
 def push_from(scene: derod.Scene, change) -> BaseRun:
     """Push a scene from the image of its first guess, and kick with the image of its noise."""
-    real = driver.bent_guess
+    real = first.bent_guess
 
     def guess(system: System, physics: Any, delta: float, side: float) -> State:
         state = real(system, physics, delta, side)
@@ -61,7 +61,7 @@ def push_from(scene: derod.Scene, change) -> BaseRun:
             state.q[1:-1, 0] += 2e-3 * np.sin(place) + 1e-3 * np.sin(2 * place)
         return change(state)
 
-    with patch.object(driver, "bent_guess", guess):
+    with patch.object(first, "bent_guess", guess):
         return derod.push(scene)
 
 

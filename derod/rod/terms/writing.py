@@ -35,7 +35,7 @@ def _block(indent: str, what: str, terms: Sequence[Term]) -> str:
         "add_gradient": _adding,
         "add_hessian": _adding,
     }[what](what, terms)
-    inside = "".join(f"{indent}{line}\n" for line in lines)
+    inside = "".join(f"{indent}{line}\n" if line else "\n" for line in lines)
     return f"{indent}# terms: {what}\n{inside}{indent}# end\n"
 
 
@@ -43,10 +43,11 @@ def _imports(_: str, terms: Sequence[Term]) -> list[str]:
     homes: dict[str, list[str]] = {}
     for term in terms:
         homes.setdefault(term.module.rpartition(".")[0], []).append(term.name)
-    return [
+    lines = [
         f"from {home} import {', '.join(sorted(names))}" if home else f"import {names[0]}"
         for home, names in sorted(homes.items())
     ]
+    return [*lines, ""]
 
 
 def _energies(_: str, terms: Sequence[Term]) -> list[str]:
