@@ -1,4 +1,6 @@
-"""Every term by itself (beside bending, whose arcs are part of the constraints): its gradient and its Hessian against differences, without compiled kernels.
+"""Every term by itself: its gradient and its Hessian against differences, without compiled kernels.
+
+Bending goes with each, since the arcs of its edges are part of the constraints.
 
 Run with NUMBA_DISABLE_JIT=1; prints one line a term and unknown that is off, and the number of checks.
 """
