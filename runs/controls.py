@@ -21,6 +21,7 @@ import sys
 from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import derod
 
@@ -28,7 +29,14 @@ import derod
 import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
-from derod.branches import Parameters, compute_branches, heavy_states
+from derod.branches import (
+    BranchFile,
+    Parameters,
+    compute_branches,
+    heavy_states,
+    open_branches,
+    write_branches,
+)
 from derod.record import BaseRun
 from derod.scene import load_scene
 
@@ -99,8 +107,17 @@ def tension(figures: Figures) -> None:
         (same,) = push.table[push.table["end_shortening"] == row["end_shortening"]]
         off = max(abs(row[n] - same[n]) / abs(same[n]) for n in ("end_tension", "energy_hat"))
         figures.line(f"t = {row['end_tension']:g}: against end-shortening", off, 1e-8)
-    branches, _ = compute_branches(Parameters.from_scene(scene), ["Ax", "3D", "L2"])
-    path = next(branch for branch in branches if branch.name == "3D")
+    parameters = Parameters.from_scene(scene)
+    with TemporaryDirectory() as folder:
+        file = Path(folder) / "branches.h5"
+        write_branches(file, parameters, compute_branches(parameters, ["Ax", "3D", "L2"])[0])
+        with open_branches(file) as branches:
+            jumps(figures, branches, up, down)
+
+
+def jumps(figures: Figures, branches: BranchFile, up: BaseRun, down: BaseRun) -> None:
+    """Where the rod jumps, against the extrema and a corner of t(delta)."""
+    path, line = branches["3D"], branches["L2"]
 
     def t(delta: float) -> float:
         return float(path.at(delta)[0].values["end_tension"])
@@ -119,10 +136,10 @@ def tension(figures: Figures) -> None:
         figures.line(
             f"jump at the {word} of t, {sign * best.fun:.6f}",
             snaps[kind].control_value - sign * best.fun,
-            1e-5 * 20,
+            1e-5,
         )
-    line = next(branch for branch in branches if branch.name == "L2")
-    corner = line.bifurcations[np.argmax(line.bifurcations["end_shortening"])]
+    known = line.bifurcations
+    corner = known[np.argmin(np.abs(known["end_shortening"] - 2.1464 * PI))]
     last = [event for event in down.events if event.kind == "snap"][-1]
     figures.line(
         f"jump at the corner of t at L2's pitchfork, {corner['end_tension']:.6f}",

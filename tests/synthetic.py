@@ -68,7 +68,9 @@ def is_frame(run: Run, i: int) -> bool:
 
 
 def make_event(i: int) -> Event:
-    return Event(i, "instability", 0.01 * (i + 1), 2.0, 1.0, f"before increment {i}: é")
+    return Event(
+        i, "instability", 0.01 * (i + 1), 2.0, 1.0, f"before increment {i}: é", 0.01 * (i + 1)
+    )
 
 
 def drive(scene: Scene, observers: Sequence[Observer], resume: Run | None = None) -> Ending:

@@ -186,9 +186,8 @@ def test_steps_do_not_grow_with_the_mesh() -> None:
     for edges in meshes:
         system = System(coil(edges=edges))
         near = settled(system, 0.15 * np.pi)
-        guess = predict(
-            system, near, measure(system, near, CONTROLS["end_shortening"]), None, 0.17 * np.pi
-        )
+        control = CONTROLS["end_shortening"]
+        guess = predict(system, control, measure(system, near, control), None, 0.17 * np.pi)
         solution = relax(make_relaxer("elliptic"), system, disturbed(guess, 1e-3))
         assert solution.converged, solution.message
         steps.append(solution.iterations)

@@ -48,7 +48,8 @@ def pushed(request: pytest.FixtureRequest) -> tuple[System, State, State]:
     """A system, the prediction at FAR and the implicit equilibrium there."""
     system = System(coil(edges=40, dimension=request.param))
     near = settled(system, NEAR)
-    guess = predict(system, near, measure(system, near, CONTROLS["end_shortening"]), None, FAR)
+    control = CONTROLS["end_shortening"]
+    guess = predict(system, control, measure(system, near, control), None, FAR)
     solution = relax(make_relaxer("implicit"), system, guess)
     assert solution.converged
     return system, guess, solution.state

@@ -167,14 +167,11 @@ def test_files_of_version_0_1_are_read_and_said_to_be_unchecked(
             assert ROW[name].kind != "f" or np.isnan(run.table[name]).all()
         with pytest.raises(RecordError, match="not checksummed"):
             run.verify()
-        assert run.goes_on is not bool(missing)
-    if missing:
-        with pytest.raises(RecordError, match="by another version"):
-            resume_copy(path)
-    else:
-        resume_copy(path)
-        with open_run(path, verify=True) as run:
-            assert run.checksummed and len(run) == COUNT
+        assert run.has_our_columns is not bool(missing)
+    resume_copy(path)  # it goes on, with columns of today
+    with open_run(path, verify=True) as run:
+        assert run.checksummed and len(run) == COUNT and run.has_our_columns
+        assert run.table[3]["end_tension"] == make_frame(3, 24).row["end_tension"]
 
 
 def make_old(path: Path, data: bytes) -> None:
@@ -184,7 +181,7 @@ def make_old(path: Path, data: bytes) -> None:
         table = file[f"{layout.TABLE}/value"][:]
         old = {
             f"{layout.TABLE}/value": table[list(layout.OLDEST_COLUMNS)],
-            layout.EVENTS: file[layout.EVENTS][:][list(layout.EVENT_TYPE.names or ())],
+            layout.EVENTS: file[layout.EVENTS][:][list(layout.OLDER_EVENT_TYPE.names or ())],
             layout.ENDING: file[layout.ENDING][:][list(layout.ENDING_TYPE.names or ())],
         }
         for name, values in old.items():
