@@ -24,6 +24,7 @@ from derod.record import (
 from derod.record.extrapolate import coarser
 from derod.record.extrapolate import extrapolate as extrapolate_runs
 from derod.scene import Scene
+from derod.scene.axis import axis_of
 from derod.scene.material import check_one_stiffness
 from derod.scene.plan import check_plan
 from derod.scene.reading import build_scene, plain_tables
@@ -168,7 +169,7 @@ def _drive(
 
     Only the record can end the push; ``observers`` that raise are left out from then on.
     """
-    last = _LastToHear()
+    last, axis = _LastToHear(), axis_of(scene)
     everyone = [_FirstToHear(), record, *guarded(observers), last]
 
     def end(outcome: Outcome, message: str) -> Ending:
@@ -181,7 +182,7 @@ def _drive(
 
     def interrupted() -> Ending:
         place = last.end_shortening
-        where = "before the first increment" if math.isnan(place) else f"at {place:.6g}"
+        where = "before the first increment" if math.isnan(place) else f"at {axis.both(place)}"
         return end(Outcome.INTERRUPTED, f"{interrupts.words()} {where}")
 
     try:

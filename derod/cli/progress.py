@@ -11,6 +11,7 @@ from typing import Any, TextIO
 
 from derod.pushing.frames import Ending, Event, Frame
 from derod.scene import Scene
+from derod.scene.axis import axis_of
 
 MEMORY = 5.0  # s, over which the pace is averaged: seconds of easy increments are soon forgotten
 LINE_EVERY = 10.0  # s
@@ -66,35 +67,36 @@ class Progress:
         """Show that the push begins; the first increment may wait for kernels to be compiled."""
         self._scene = scene
         legs = len(scene.push.stop)
-        self._total = way_covered(scene, legs - 1, scene.push.stop[-1])
+        self._goal = scene.push.stop[-1]
+        self._total = way_covered(scene, legs - 1, self._goal)
         self._began = self._clock()
         self._shown = (0.0, self._began)
         if self._stream.isatty():
             from tqdm import tqdm  # 70 ms, only for those who watch
 
             self._bar = tqdm(
-                total=self._total / math.pi,
+                total=self._total,
                 file=self._stream,
-                bar_format="{percentage:3.0f}%|{bar:24}| {desc}",
+                bar_format="{percentage:3.0f}%|{bar:16}| {desc}",
                 desc="compiling or loading kernels (the first time: half a minute)",
                 leave=True,
             )
 
     def event(self, event: Event) -> None:
         """Say what happened."""
-        self._say(
-            f"{event.kind} at {event.end_shortening / math.pi:.4f} pi"
-            + (f": {event.message}" if event.message else "")
-        )
+        from derod.record.ending import event_words
+
+        self._say(event_words(event, axis_of(self._scene)))
 
     def frame(self, frame: Frame) -> None:
         """Show how far the push is."""
         row, now = frame.row, self._clock()
-        way = way_covered(self._scene, int(row["segment"]), float(row["end_shortening"]))
+        column = axis_of(self._scene).column
+        way = way_covered(self._scene, int(row["segment"]), float(row[column]))
         self._pace.add(way, now)
         text = self._state(row, now)
         if self._bar is not None:
-            self._bar.n = min(way, self._total) / math.pi
+            self._bar.n = min(way, self._total)
             self._bar.set_description_str(text, refresh=False)
             self._bar.update(0)
         elif way - self._shown[0] >= LINE_AT * self._total or now - self._shown[1] >= LINE_EVERY:
@@ -109,9 +111,9 @@ class Progress:
             self._bar = None
 
     def _state(self, row: Any, now: float) -> str:
-        left = self._pace.seconds_left(self._total)
+        left, axis = self._pace.seconds_left(self._total), axis_of(self._scene)
         return (
-            f"{row['end_shortening'] / math.pi:.3f} of {self._scene.push.stop[-1] / math.pi:g} pi"
+            f"{axis.both(float(row[axis.column]), 4)} of {axis.both(self._goal, 4)}"
             f"  t = {row['end_tension']:.3f}  unstable {row['unstable_modes']}"
             f"  {clock_time(now - self._began)}"
             f", {'?' if left is None else clock_time(left)} left"

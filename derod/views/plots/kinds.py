@@ -9,6 +9,7 @@ from importlib.util import find_spec
 from typing import Any
 
 from derod.cli.exits import UsageError
+from derod.scene.axis import both
 from derod.scene.quantities import read_quantity
 
 
@@ -79,7 +80,7 @@ def read_places(at: Sequence[str | float] | str, key: str = "at") -> tuple[float
 
 def written(delta: float) -> str:
     """An end-shortening in both of its units."""
-    return f"{delta / math.pi:.6g} pi ({delta:.6g} D)"
+    return both(delta)
 
 
 def file_name(file: Any) -> str:
