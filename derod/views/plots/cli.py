@@ -98,12 +98,11 @@ def add_movie_parser(commands: Any) -> None:
 
 def run_movie(args: argparse.Namespace) -> int:
     """Carry out ``derod movie``."""
+    from derod.cli import kinds
     from derod.record import open_run
-    from derod.views.stream.replay import is_branch_file
 
     need_matplotlib()
-    if is_branch_file(args.file):
-        raise UsageError(f"{args.file}: is a branch file; allowed: a run file (derod push)")
+    kinds.expect(args.file, kinds.RUNS)
     first = Path(args.file)
     output = args.output or str(first.with_name(f"{first.stem}-movie.gif"))
     with open_run(args.file) as run:

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 import derod
+from derod.cli import kinds
 from derod.views.plots.style import LABELS
-from derod.views.stream.replay import is_branch_file
 
 HARD_WALL = 2.0  # the plateau of the hard-wall limit is f_gamma - 2, K0/D^2
 
@@ -36,7 +36,8 @@ def open_files(paths: Iterable[str]) -> Files:
     """Open run and branch files, told apart by what they are. Raises derod.RecordError."""
     files = Files()
     for path in paths:
-        if is_branch_file(path):
+        kinds.expect(path, kinds.RESULTS)
+        if kinds.kind_of(path) is kinds.Kind.BRANCHES:
             files.branches.append(derod.open_branches(path))
         else:
             files.runs.append(derod.open_run(path))

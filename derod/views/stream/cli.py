@@ -110,8 +110,10 @@ def add_view_parser(commands: Any) -> None:
 
 def run_view(args: argparse.Namespace) -> int:
     """Carry out ``derod view``."""
+    from derod.cli import kinds
     from derod.views.stream.target import parse_target
 
+    kinds.expect(args.file, kinds.RESULTS)
     if args.web:
         target = parse_target("web")
     elif args.save is not None:
