@@ -52,13 +52,19 @@ class Pace:
 class Progress:
     """Shows end-shortening, tension, unstable modes and the time left.
 
-    A bar on a terminal, and elsewhere a line now and then.
+    A bar on a terminal, and elsewhere a line now and then; with ``everywhere`` a bar in any case, and in a
+    notebook that of the notebook.
     """
 
     def __init__(
-        self, stream: TextIO | None = None, clock: Callable[[], float] = time.monotonic
+        self,
+        stream: TextIO | None = None,
+        clock: Callable[[], float] = time.monotonic,
+        *,
+        everywhere: bool = False,
     ) -> None:
         self._stream = sys.stderr if stream is None else stream
+        self._everywhere = everywhere
         self._clock = clock
         self._pace = Pace()
         self._bar: Any = None
@@ -71,8 +77,11 @@ class Progress:
         self._total = way_covered(scene, legs - 1, self._goal)
         self._began = self._clock()
         self._shown = (0.0, self._began)
-        if self._stream.isatty():
-            from tqdm import tqdm  # 70 ms, only for those who watch
+        if self._everywhere or self._stream.isatty():
+            if self._everywhere:
+                from tqdm.auto import tqdm
+            else:
+                from tqdm import tqdm  # 70 ms, only for those who watch
 
             self._bar = tqdm(
                 total=self._total,
