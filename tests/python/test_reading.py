@@ -115,7 +115,7 @@ def test_faces_of_runs(run: BaseRun, tmp_path: Path) -> None:
 def test_a_face_without_matplotlib_says_so(run: BaseRun, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "matplotlib", None)
     html = run._repr_html_()
-    assert "no picture: pictures need matplotlib" in html and "0.942478 D" in html
+    assert "no picture: a picture needs matplotlib" in html and "0.942478 D" in html
 
 
 def test_push_takes_names_and_files(tmp_path: Path) -> None:

@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from derod.cli.exits import DONE, UsageError
+from derod.cli.exits import DONE, UsageError, naming_options
 from derod.views.plots.kinds import KINDS, need_matplotlib, read_places
 
 
@@ -58,7 +58,8 @@ def run_plot(args: argparse.Namespace) -> int:
     if output is not None:
         check_target(Path(output), args.force, ENDINGS)
     places = read_places(args.at, "--at") if args.at.strip() else ()
-    with open_files(args.files) as files:
+    need_matplotlib()
+    with naming_options("at", "paths", "every", "style", "dpi"), open_files(args.files) as files:
         plot(
             args.kind,
             [*files.runs, *files.branches],
@@ -105,7 +106,7 @@ def run_movie(args: argparse.Namespace) -> int:
     kinds.expect(args.file, kinds.RUNS)
     first = Path(args.file)
     output = args.output or str(first.with_name(f"{first.stem}-movie.gif"))
-    with open_run(args.file) as run:
+    with naming_options("frames", "rate", "width", "style"), open_run(args.file) as run:
         from derod.views.plots.movie import movie
 
         movie(
