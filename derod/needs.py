@@ -21,7 +21,7 @@ def need(package: str, what: str) -> Any:
         return import_module(package)
     except ImportError as error:
         if getattr(error, "name", None) in (None, package):
-            raise _missing(package, what) from error
+            raise _missing(package, what) from None
         install = INSTALLED_AS.get(package, package)
         raise MissingError(f"{what} needs {install}, which cannot be imported: {error}") from error
 

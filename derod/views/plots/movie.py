@@ -18,6 +18,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from derod.cli.exits import UsageError
+from derod.scene.axis import axis_of
 from derod.views.export.output import check_target, write_file
 from derod.views.plots.painter import paint_shape, turned
 from derod.views.plots.reading import Shape, run_shape, run_shape_at
@@ -71,7 +72,7 @@ def movie(
 def moments(run: Any, frames: int) -> np.ndarray:
     """Increments (frames,) to show: evenly along the way of the end, then the last one held."""
     moving = max(round(frames * (1 - HOLD)), 2)
-    way = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(run.table["end_shortening"])))])
+    way = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(run.table[axis_of(run.scene).column])))])
     path = [int(np.argmin(np.abs(way - x))) for x in np.linspace(0.0, way[-1], moving)]
     return np.array([*path, *[len(way) - 1] * max(frames - moving, 0)])
 
