@@ -24,9 +24,10 @@ from derod.record import (
 from derod.record.extrapolate import coarser
 from derod.record.extrapolate import extrapolate as extrapolate_runs
 from derod.scene import Scene
-from derod.scene.axis import axis_of
+from derod.scene.axis import axis_of, both
 from derod.scene.material import check_one_stiffness
 from derod.scene.plan import check_plan
+from derod.scene.program import legs, ways
 from derod.scene.reading import build_scene, plain_tables
 from derod.scenes import read_scene
 
@@ -183,7 +184,7 @@ def _drive(
 
     Only the record can end the push; ``observers`` that raise are left out from then on.
     """
-    last, axis = _LastToHear(), axis_of(scene)
+    last = _LastToHear()
     everyone = [_FirstToHear(), record, *guarded(observers), last]
 
     def end(outcome: Outcome, message: str) -> Ending:
@@ -196,7 +197,7 @@ def _drive(
 
     def interrupted() -> Ending:
         place = last.end_shortening
-        where = "before the first increment" if math.isnan(place) else f"at {axis.both(place)}"
+        where = "before the first increment" if math.isnan(place) else f"at {both(place)}"
         return end(Outcome.INTERRUPTED, f"{interrupts.words()} {where}")
 
     try:

@@ -7,8 +7,8 @@ import math
 
 import pytest
 
-from derod.cli.progress import Pace, Progress, clock_time, way_covered
-from derod.pushing.frames import Ending, Outcome
+from derod.cli.progress import Pace, Progress, Way, clock_time
+from derod.push.frames import Ending, Outcome
 from tests.synthetic import drive, make_event, make_frame, small_scene
 
 
@@ -77,9 +77,28 @@ def test_a_push_that_ends_early_takes_its_bar_down() -> None:
 
 def test_the_way_is_counted_up_and_down() -> None:
     scene = small_scene(push__stop=[1.0, 0.5, 0.75], push__start=0.25, push__at=[])
-    assert way_covered(scene, 0, 0.5) == 0.25
-    assert way_covered(scene, 1, 0.75) == 1.0
-    assert way_covered(scene, 2, 0.75) == 1.5
+    way, step = Way(scene), scene.push.max_step
+    assert way.covered(0, 0.5) == pytest.approx(0.25 / step)
+    assert way.covered(1, 0.75) == pytest.approx(1.0 / step)
+    assert way.covered(2, 0.75) == way.total == pytest.approx(1.5 / step)
+
+
+def test_the_way_of_a_push_in_steps() -> None:
+    scene = small_scene(
+        push__stop=[1.0],
+        push__start=0.25,
+        push__at=[],
+        steps=[
+            {"control": "end_rotation", "stop": 2.0, "max_step": 0.5},
+            {"control": "end_tension", "stop": 10.0, "max_step": 1.0},
+        ],
+    )
+    way, first = Way(scene), 0.75 / scene.push.max_step
+    assert way.total == pytest.approx(first + 4 + 1), "the tension's begin is not known yet"
+    assert way.covered(1, 1.0) == pytest.approx(first + 2)
+    assert way.covered(2, 12.0) == pytest.approx(first + 4)
+    assert way.covered(2, 11.0) == pytest.approx(first + 5)
+    assert way.total == pytest.approx(first + 4 + 2)
 
 
 def test_the_pace_forgets() -> None:

@@ -17,7 +17,7 @@ from derod.files.outputs import check_output
 from derod.push import interrupts
 from derod.push.frames import Observer, Outcome
 from derod.scene import Scene
-from derod.scene.axis import axis_of, both
+from derod.scene.axis import Axis, axis_of
 from derod.scene.checking import check_lines, pushable_words
 from derod.scene.plan import check_plan, planned
 
@@ -43,7 +43,7 @@ def push(args: argparse.Namespace) -> int:
     from derod.record.ending import ending_words
 
     with (
-        blaming_the_command_line(changed(args)),
+        blaming_the_command_line(changed(args), scene),
         push_scene(
             scene,
             None if args.resume else args.output,
@@ -57,7 +57,7 @@ def push(args: argparse.Namespace) -> int:
         ending, count, extrapolated = run.ending, len(run), run.extrapolated is not None
     if ending is None:
         raise RecordError(f"{run.path}: the push left no word of how it ended")
-    words = f"{ending_words(ending, axis_of(scene))} ({count} increments in {run.path})"
+    words = f"{ending_words(ending)} ({count} increments in {run.path})"
     code = EXIT_CODES.get(ending.outcome, exits.NOT_REACHED)
     if ending.outcome is Outcome.INTERRUPTED:
         code = interrupts.exit_code()
@@ -136,24 +136,24 @@ def changed(args: argparse.Namespace) -> dict[str, Any]:
 
 
 @contextmanager
-def blaming_the_command_line(given: Mapping[str, Any]) -> Iterator[None]:
+def blaming_the_command_line(given: Mapping[str, Any], scene: Scene) -> Iterator[None]:
     """Let errors of values that the command line gave name the option, not a file."""
     try:
         yield
     except SceneError as error:
         for key, option in OPTIONS.items():
             if key in given and error.key is not None and error.key.partition("[")[0] == key:
-                raise exits.UsageError(_blame(option, given[key], error)) from error
+                raise exits.UsageError(_blame(option, given[key], error, axis_of(scene))) from error
         raise
 
 
-def _blame(option: str, value: Any, error: SceneError) -> str:
+def _blame(option: str, value: Any, error: SceneError, axis: Axis) -> str:
     line = f"{option} = {shown(', '.join(value) if isinstance(value, list) else value)}"
     if isinstance(value, list) and error.key is not None and error.key.endswith("]"):
         which = int(error.key.partition("[")[2][:-1])
         line += f": part {which + 1}, {shown(value[which])},"
     if option == "--stop" and isinstance(error.value, float):
-        line += f" = {both(error.value)}"
+        line += f" = {axis.both(error.value)}"
     return f"{line} {error.problem}" + (f"; allowed: {error.allowed}" if error.allowed else "")
 
 
@@ -174,8 +174,9 @@ def _scene_to_push(args: argparse.Namespace) -> Scene:
                 "a resumed run keeps its method and its mesh; only --stop may change"
             )
         kinds.expect(args.resume, kinds.RUNS, "--resume")
-        with blaming_the_command_line(given):
-            scene = _recorded_scene(args.resume).replace(given)
+        recorded = _recorded_scene(args.resume)
+        with blaming_the_command_line(given, recorded):
+            scene = recorded.replace(given)
         check_output(args.resume, force=True)
     else:
         if not args.scene:
@@ -190,7 +191,7 @@ def _scene_to_push(args: argparse.Namespace) -> Scene:
             args.output = kinds.default_output(args.scene, ".h5")
             ask = "--force replaces it, -o FILE writes another, --resume goes on with it"
         check_output(args.output, force=args.force, inputs=[file], ask=ask)
-        with blaming_the_command_line(given):
+        with blaming_the_command_line(given, original):
             scene = original.replace(given)
     if not args.yes_really:
         check_plan(scene)

@@ -8,9 +8,10 @@ from collections.abc import Iterator
 import numpy as np
 
 from derod.record import BaseRun, Run, layout
-from derod.record.ending import ending_words, with_units
+from derod.record.ending import ending_words
 from derod.scene import Scene
-from derod.scene.axis import axis_of
+from derod.scene.axis import AXES, END_SHORTENING, axes_of, both, with_units
+from derod.scene.program import legs
 from derod.scene.resolution import COARSE, edges_enough
 
 EPS = float(np.finfo(np.float64).eps)
@@ -25,7 +26,11 @@ RANGES = (
     "work_defect",
     "turning_angle",
 )
-LANDING_HEAD = "          t      E_hat     wetted  unstable   residual"
+LANDING_HEAD = (
+    "  increment   delta, D   delta/pi          t      E_hat     wetted  unstable   residual"
+)
+SHOWN = ("end_shortening", "end_tension")
+"""Controls that every line of the landings shows."""
 
 
 def summary_lines(run: BaseRun) -> Iterator[str]:
@@ -50,27 +55,29 @@ def summary_lines(run: BaseRun) -> Iterator[str]:
 
 def error_lines(run: BaseRun) -> Iterator[str]:
     """The largest estimated errors of an extrapolated run, relative."""
-    rows, axis = run.extrapolated, axis_of(run.scene)
+    rows = run.extrapolated
     assert rows is not None
     known = rows[np.isfinite(rows["end_tension"])]
     yield f"estimated errors, from half the edges ({len(known)} of {len(rows)} rows)"
     for name in ("end_tension", "energy_hat", "wetted_length") if len(known) else ():
         error = known[f"{name}_error"] / np.maximum(np.abs(known[name]), 1.0)
         worst = int(np.argmax(error))
-        place = axis.both(float(known[axis.column][worst]))
+        place = both(float(known["end_shortening"][worst]))
         yield f"  {name:15} {error[worst]:9.1e}  at {place}"
 
 
 def outcome_line(run: BaseRun) -> str:
     """How the push ended, if it has."""
-    return ending_words(run.ending, axis_of(run.scene))
+    return ending_words(run.ending)
 
 
 def scene_lines(scene: Scene) -> Iterator[str]:
     """The scene in a few lines."""
     rod, drop, push = scene.rod, scene.drop, scene.push
-    axis = axis_of(scene)
-    stops = ", ".join(axis.both(stop) for stop in push.stop)
+    start = AXES[push.control]
+    way = ", then ".join(
+        f"{AXES[leg.control].name} to {AXES[leg.control].both(leg.stop)}" for leg in legs(scene)
+    )
     yield f"  rod   l = {rod.length:g}, K = {rod.bending:g}, k3 = {rod.twisting:g}"
     if drop is None:
         yield "  no drop"
@@ -80,7 +87,7 @@ def scene_lines(scene: Scene) -> Iterator[str]:
             f"rho = {drop.wall_softness:g}"
         )
     yield (
-        f"  push  {axis.name} from {axis.both(push.start)} to {stops}; end rotation "
+        f"  push  from {start.name} {start.both(push.start)}: {way}; end rotation at first "
         f"{scene.clamps.end_rotation:.6g} rad ({scene.clamps.end_rotation / math.pi:.6g} pi)"
     )
     yield (
@@ -91,25 +98,24 @@ def scene_lines(scene: Scene) -> Iterator[str]:
 
 def landing_lines(run: BaseRun) -> Iterator[str]:
     """The increments that were asked for, and the last one."""
-    table, axis = run.table, axis_of(run.scene)
+    table = run.table
+    more = [axis for axis in axes_of(run.scene) if axis.column not in SHOWN]
     yield "landings (t in K0/D^2, E_hat in K0/D, wetted length in D, residual in K0/D^2)"
-    head = f"  increment {f'{axis.symbol}, {axis.unit}':>10}"
-    yield head + (f" {f'{axis.symbol}/pi':>10}" if axis.in_pi else "") + LANDING_HEAD
+    yield LANDING_HEAD + "".join(f" {f'{axis.symbol}, {axis.unit}':>14}" for axis in more)
     wanted = table["landing"].copy()
     wanted[-1] = True
     for row in table[wanted]:
-        value = float(row[axis.column])
+        value = float(row["end_shortening"])
         yield (
-            f"  {row['increment']:9d} {value:10.5f} "
-            + (f"{value / math.pi:10.5f} " if axis.in_pi else "")
-            + f"{row['end_tension']:10.5f} {row['energy_hat']:10.5f} {row['wetted_length']:10.5f} "
+            f"  {row['increment']:9d} {value:10.5f} {value / math.pi:10.5f} "
+            f"{row['end_tension']:10.5f} {row['energy_hat']:10.5f} {row['wetted_length']:10.5f} "
             f"{row['unstable_modes']:9d} {row['residual']:10.2e}"
+            + "".join(f" {float(row[axis.column]):14.7g}" for axis in more)
         )
 
 
 def event_lines(run: BaseRun) -> Iterator[str]:
     """What happened between the increments."""
-    axis = axis_of(run.scene)
     yield "events" if run.events else "events: none"
     for event in run.events:
         energies = (
@@ -117,21 +123,22 @@ def event_lines(run: BaseRun) -> Iterator[str]:
             if math.isnan(event.energy_before) or math.isnan(event.energy_after)
             else f", E_hat {event.energy_before:.6g} -> {event.energy_after:.6g}"
         )
-        message = with_units(event.message, event.end_shortening, axis)
+        message = with_units(event.message, event.end_shortening)
         yield (
-            f"  before {event.increment:5d}  {axis.both(event.end_shortening)}  "
+            f"  before {event.increment:5d}  {both(event.end_shortening)}  "
             f"{event.kind}{energies}: {message}"
         )
 
 
 def range_lines(run: BaseRun) -> Iterator[str]:
     """The range of the main fields, and whether the mesh is fine enough."""
-    table, axis = run.table, axis_of(run.scene)
+    table = run.table
     yield "ranges"
-    low, high = float(np.min(table[axis.column])), float(np.max(table[axis.column]))
-    yield f"  {axis.column:16}{axis.both(low)} to {axis.both(high)}"
+    for axis in dict.fromkeys((END_SHORTENING, *axes_of(run.scene))):
+        low, high = float(np.min(table[axis.column])), float(np.max(table[axis.column]))
+        yield f"  {axis.column:16}{axis.both(low)} to {axis.both(high)}"
     for name in RANGES:
-        if name != axis.column:
+        if name not in [axis.column for axis in axes_of(run.scene)]:
             unit = layout.ROW_UNITS.get(name, "")
             yield f"  {name:16}{np.min(table[name]):12.6g} to {np.max(table[name]):.6g} {unit}"
     coarsest = table[np.argmax(table["turning_angle"])]
@@ -140,18 +147,18 @@ def range_lines(run: BaseRun) -> Iterator[str]:
         yield (
             "warning: the mesh is too coarse for the coil, which turns by "
             f"{coarsest['turning_angle']:.3g} rad at a node at "
-            f"{axis.both(float(coarsest[axis.column]))}; {enough} edges would do"
+            f"{both(float(coarsest['end_shortening']))}; {enough} edges would do"
         )
 
 
 def residual_lines(run: BaseRun) -> Iterator[str]:
     """The worst residual, and what it is held to: the tolerance and what rounding leaves on the mesh."""
-    table, scene, axis = run.table, run.scene, axis_of(run.scene)
+    table, scene = run.table, run.scene
     i = int(np.argmax(table["residual"]))
     worst = table[i]
     yield (
         f"worst residual {worst['residual']:.2e} K0/D^2 at increment {worst['increment']}, "
-        f"{axis.both(float(worst[axis.column]))}"
+        f"{both(float(worst['end_shortening']))}"
     )
     edge = np.diff(run.arc_length(i))
     rounding = EPS * scene.rod.length * ROUNDING * scene.rod.bending

@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from derod.push.frames import ROW, Frame
-from derod.scene.axis import axis_of
+from derod.push.columns import ROW
+from derod.push.frames import Frame
+from derod.scene.axis import AXES, axis_of
 from derod.scene.quantities import read_quantity
 
 if TYPE_CHECKING:
@@ -30,7 +31,7 @@ class Increment:
 
     @property
     def row(self) -> np.void:
-        """The row of the table, of dtype ``frames.ROW``."""
+        """The row of the table, of dtype ``columns.ROW``."""
         row: np.void = self.run.table[self.index]
         return row
 
@@ -94,7 +95,8 @@ class Increment:
         return sorted({*super().__dir__(), *(ROW.names or ())})
 
     def __repr__(self) -> str:
-        row, axis = self.row, axis_of(self.run.scene)
+        row = self.row
+        axis = axis_of(self.run.scene, int(row["segment"]))
         modes = int(row["unstable_modes"])
         return (
             f"<increment {self.index} of {len(self.run)}: {axis.name} "
@@ -115,9 +117,11 @@ class Increment:
         return html_table(repr(self)[1:-1], ("", "", "unit"), cells)
 
 
-def nearest(run: BaseRun, place: float | str) -> int:
+def nearest(run: BaseRun, place: float | str, column: str | None = None) -> int:
     """The increment whose driving quantity is nearest to ``place``; see ``BaseRun.at``."""
-    axis = axis_of(run.scene)
+    if column is not None and column not in AXES:
+        raise ValueError(f"column = {column!r}: allowed: {', '.join(AXES)}")
+    axis = axis_of(run.scene) if column is None else AXES[column]
     try:
         value = read_quantity(place)
     except ValueError as error:

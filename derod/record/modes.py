@@ -17,13 +17,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.sparse.linalg import LinearOperator, eigsh
 
-from derod.equilibrium.newton import FIRST_SHIFT, LARGEST_SHIFT
+from derod.equilibrium.linear import FIRST_SHIFT, LARGEST_SHIFT
 from derod.equilibrium.stability import inertia
 from derod.equilibrium.system import System
 from derod.errors import DerodError
 from derod.push.encode import decode
-from derod.rod.layout import S_A, S_B, X_C
 from derod.rod.state import State, in_space
+from derod.rod.unknowns import S_A, S_B, X_C
+from derod.scene.program import legs
 
 if TYPE_CHECKING:
     from derod.record.run import BaseRun
@@ -60,13 +61,14 @@ class Modes:
 def modes(run: BaseRun, i: int, k: int) -> Modes:
     """See ``BaseRun.modes``."""
     system = System(run.scene)
-    state = decode(system, run.frame_at(i))
+    frame = run.frame_at(i)
+    state = decode(system, frame, slides=legs(run.scene)[int(frame.row["segment"])].slides)
     shift = FIRST_SHIFT
     while system.linearise(state, shift) > 0:
         shift *= 4
         if shift > LARGEST_SHIFT:
             raise ModesError(f"increment {i}: no shift makes the Hessian positive")
-    weight, border_weight = inertia(system)
+    weight, border_weight = inertia(system, state)
     metric = np.concatenate([weight.ravel(), border_weight])
     free = metric > 0
     root = np.sqrt(metric[free])

@@ -114,13 +114,14 @@ class BaseRun(ABC):
         """The increments, in order."""
         return (Increment(self, i) for i in range(len(self)))
 
-    def at(self, place: float | str) -> Increment:
+    def at(self, place: float | str, column: str | None = None) -> Increment:
         """The increment nearest to an end-shortening: ``run.at("1.5 pi")``, ``run.at(4.7)`` (D).
 
-        The first of them where the push passed the place again. Raises ValueError for what is no number,
-        IndexError for a place outside the run.
+        Where another control pushes first, to a value of that; ``column`` names another one, such as
+        "end_shortening". The first of them where the push passed the place again. Raises ValueError for what
+        is no number, IndexError for a place outside the run.
         """
-        return Increment(self, nearest(self, place))
+        return Increment(self, nearest(self, place, column))
 
     def curvature(self, i: int) -> np.ndarray:
         """Curvature at the nodes of increment ``i``, (N+1,), 1/D: turning angle over dual length.

@@ -8,7 +8,7 @@ import numpy as np
 
 from derod.needs import need
 from derod.record import layout
-from derod.scene.axis import axis_of
+from derod.scene.axis import END_SHORTENING
 
 if TYPE_CHECKING:
     from derod.record.run import BaseRun
@@ -26,7 +26,7 @@ def to_pandas(run: BaseRun) -> Any:
 def to_xarray(run: BaseRun) -> Any:
     """See ``BaseRun.to_xarray``."""
     xarray = need("xarray", "to_xarray")
-    table, axis = run.table, axis_of(run.scene)
+    table, axis = run.table, END_SHORTENING
     fields: dict[str, Any] = {
         name: ("increment", table[name], _unit(layout.ROW_UNITS.get(name)))
         for name in table.dtype.names or ()

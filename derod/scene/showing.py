@@ -2,22 +2,25 @@
 
 from __future__ import annotations
 
-from derod.scene.axis import axis_of
+from derod.scene.axis import AXES
+from derod.scene.program import legs
 from derod.scene.tables import Scene
 from derod.scene.writing import dimensionless_groups
 
 
 def text(scene: Scene) -> str:
     """A line: the rod, the drop and the push."""
-    axis, push, drop = axis_of(scene), scene.push, scene.drop
+    push, drop = scene.push, scene.drop
     wet = "no drop" if drop is None else (
         f"f_gamma = {drop.capillary_force:g}, v0 = {drop.wall_strength:g}, rho = {drop.wall_softness:g}"
     )  # fmt: skip
-    stops = ", ".join(axis.both(stop) for stop in push.stop)
+    way = ", then ".join(
+        f"{AXES[leg.control].name} to {AXES[leg.control].both(leg.stop)}" for leg in legs(scene)
+    )
     name = "" if scene.path is None else f" {scene.path}"
     return (
-        f"<scene{name}: l = {scene.rod.length:g}, {wet}, {axis.name} from {axis.both(push.start)} to "
-        f"{stops}, {scene.mesh.edges} edges>"
+        f"<scene{name}: l = {scene.rod.length:g}, {wet}, from "
+        f"{AXES[push.control].both(push.start)}, {way}, {scene.mesh.edges} edges>"
     )
 
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from derod.errors import DerodError
 from derod.record.ending import ending_words
-from derod.scene.axis import axis_of
+from derod.scene.axis import END_SHORTENING, axes_of
 
 if TYPE_CHECKING:
     from derod.record.run import BaseRun
@@ -48,10 +48,10 @@ def run_text(run: BaseRun) -> str:
     """A line: which run, how many increments, how it ended."""
     name = run.path or "in memory"
     try:
-        axis = axis_of(run.scene)
+        _ = run.scene
     except DerodError as error:
         return f"<run {name}: {error}>"
-    state = "running, or killed" if run.ending is None else ending_words(run.ending, axis)
+    state = "running, or killed" if run.ending is None else ending_words(run.ending)
     return f"<run {name}: {len(run)} increments, {state}>"
 
 
@@ -60,17 +60,28 @@ def run_html(run: BaseRun) -> str:
     title = run_text(run)[1:-1]
     if not len(run):
         return html_table(title, (), ())
-    axis, table = axis_of(run.scene), run.table
+    axis, table = END_SHORTENING, run.table
+    others = [one for one in axes_of(run.scene) if one.column not in (axis.column, "end_tension")]
     wanted = np.array(table["landing"])
     wanted[-1] = True
     chosen = np.flatnonzero(wanted)
     chosen = chosen[np.unique(np.linspace(0, len(chosen) - 1, MOST_ROWS).round().astype(int))]
     rows = [
-        (row["increment"], axis.both(float(row[axis.column])), f"{row['end_tension']:.6g}",
+        (row["increment"], axis.both(float(row[axis.column])),
+         *(f"{row[one.column]:.6g}" for one in others), f"{row['end_tension']:.6g}",
          f"{row['energy_hat']:.6g}", f"{row['wetted_length']:.6g}", row["unstable_modes"])
         for row in table[chosen]
     ]  # fmt: skip
-    head = ("increment", axis.name, "t (K0/D^2)", "E_hat (K0/D)", "wetted (D)", "unstable modes")
+    more = [f"{one.name} ({one.unit})" for one in others]
+    head = (
+        "increment",
+        axis.name,
+        *more,
+        "t (K0/D^2)",
+        "E_hat (K0/D)",
+        "wetted (D)",
+        "unstable modes",
+    )
     events = [(event.kind, axis.both(event.end_shortening)) for event in run.events]
     told = [one for one in events if one[0] not in ("halving", "turn")]
     happened = html_table("events", ("kind", axis.name), told[:MOST_ROWS]) if told else ""

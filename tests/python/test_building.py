@@ -69,8 +69,8 @@ def test_a_base_is_named_in_messages() -> None:
 def test_faces(tmp_path: Path) -> None:
     quick = read_scene("quick")
     assert repr(quick) == (
-        "<scene quick: l = 10, f_gamma = 20, v0 = 0.0002, rho = 0.1, end-shortening from "
-        "0.00314159 D (0.001 pi) to 1.88496 D (0.6 pi), 150 edges>"
+        "<scene quick: l = 10, f_gamma = 20, v0 = 0.0002, rho = 0.1, from "
+        "0.00314159 D (0.001 pi), end-shortening to 1.88496 D (0.6 pi), 150 edges>"
     )
     assert "no drop" in repr(derod.Scene("quick", drop=None, model={"drop": False}))
     html = quick._repr_html_()

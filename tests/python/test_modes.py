@@ -23,7 +23,7 @@ def test_as_many_are_negative_as_the_row_says(planar: BaseRun) -> None:
 
 def test_the_lowest_is_that_of_the_push(planar: BaseRun) -> None:
     system = System(planar.scene)
-    state = decode(system, planar.frame_at(-1))
+    state = decode(system, planar.frame_at(-1), slides=False)
     start = np.random.default_rng(1).normal(size=state.q.shape)
     value, mode, _ = lowest_mode(system, state, start)
     found = planar.modes(-1, 1)
@@ -36,7 +36,7 @@ def test_the_lowest_is_that_of_the_push(planar: BaseRun) -> None:
 def test_the_energy_along_a_mode(run: BaseRun) -> None:
     """E(a) - E(0) = lambda a^2 u.M u / 2 for a displacement a u put back on the constraints."""
     system = System(run.scene)
-    state = decode(system, run.frame_at(-1))
+    state = decode(system, run.frame_at(-1), slides=False)
     found = run.modes(-1, 3)
     system.gradient(state)
     energy, length = system.energies(state).total, system.rest_lengths(state)

@@ -12,7 +12,7 @@ import numpy as np
 
 import derod
 from derod.cli import kinds
-from derod.scene.axis import END_SHORTENING, axis_of
+from derod.scene.axis import END_SHORTENING, axes_of, axis_of
 from derod.views.plots.style import LABELS
 
 HARD_WALL = 2.0  # the plateau of the hard-wall limit is f_gamma - 2, K0/D^2
@@ -169,6 +169,8 @@ def abscissa(run: Any) -> tuple[np.ndarray, str]:
     """What a run is drawn against (T,), and its label: what drives it, or increments where it turns back."""
     axis = axis_of(run.scene)
     values = run.table[axis.column]
+    if len(axes_of(run.scene)) > 1:
+        return np.arange(len(values), dtype=float), "increment"
     if np.all(np.diff(values) >= 0) or np.all(np.diff(values) <= 0):
         label = LABELS["delta"] if axis is END_SHORTENING else f"{axis.name}   ({axis.unit})"
         return values / np.pi if axis.in_pi else values, label
