@@ -12,13 +12,13 @@ from typing import Any
 
 import numpy as np
 
-from derod.branches.arc import Control
-from derod.branches.compare import compare as compare_rows
-from derod.branches.compare import exceeds, report, worst
-from derod.branches.compute import compute_branches, family
-from derod.branches.parameters import Parameters
-from derod.branches.record import BranchFile
-from derod.branches.writing import BranchWriter, Settings
+from derod.branches import BranchFile, Parameters, compute_branches
+from derod.branches import compare as compare_rows
+from derod.branches.files.compare import worst
+from derod.branches.files.report import exceeds, report
+from derod.branches.files.writing import BranchWriter, Settings
+from derod.branches.paths.arc import Control
+from derod.branches.paths.compute import family
 from derod.errors import SceneError
 from derod.record import BaseRun, open_run
 from derod.scene import Scene
@@ -106,7 +106,7 @@ class Comparison:
     """A run held against branches, row by row."""
 
     table: np.ndarray
-    """Of ``derod.branches.compare.ROW``: row, end_shortening, branch, and the errors."""
+    """Of ``derod.branches.files.compare.ROW``: row, end_shortening, branch, and the errors."""
 
     @property
     def worst(self) -> dict[str, tuple[float, float]]:

@@ -8,8 +8,7 @@ import h5py
 import pytest
 
 from derod import cli, scenes
-from derod.branches.parameters import Parameters
-from derod.branches.record import write_branches
+from derod.branches import Parameters, write_branches
 from derod.cli.kinds import Kind, kind_of
 from derod.record import RunWriter
 from tests.synthetic import drive, small_scene

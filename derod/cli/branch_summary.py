@@ -11,7 +11,7 @@ import numpy as np
 from derod.scene.axis import both
 
 if TYPE_CHECKING:
-    from derod.branches.record import BranchFile
+    from derod.branches import BranchFile
 
 HEAD = (
     "  name     points  delta, D                delta/pi                t, K0/D^2             error"
@@ -26,7 +26,7 @@ def branch_lines(file: BranchFile) -> Iterator[str]:
     yield f"  rod   l = {p.length:g}, K = {p.bending:g}, k3 = {p.twisting:g}"
     yield (
         f"  drop  f_gamma = {p.capillary_force:g}, v0 = {p.wall_strength:g}, "
-        f"rho = {p.wall_softness:g}"
+        f"rho = {p.wall_softness:g}" + (f", W = {p.weight:g}" if p.weight else "")
     )
     yield f"  end rotation {p.end_rotation:.6g} rad ({p.end_rotation / math.pi:.6g} pi)"
     if not len(file):

@@ -17,7 +17,7 @@ from derod.cli.terminal import say_done
 
 def add_branch_parser(commands: Any) -> None:
     """``derod branch SCENE [-o FILE]``."""
-    from derod.branches import cli
+    from derod.branches.files import cli
 
     parser = cli.add_branch_parser(commands)
     for action in parser._actions:
@@ -35,7 +35,7 @@ def add_branch_parser(commands: Any) -> None:
 
 def run_branch(args: argparse.Namespace) -> int:
     """Carry out ``derod branch``."""
-    from derod.branches import cli
+    from derod.branches.files import cli
 
     if args.resume is not None:
         kinds.expect(args.resume, kinds.BRANCHES, "--resume")
@@ -57,7 +57,7 @@ def run_branch(args: argparse.Namespace) -> int:
 
 def add_compare_parser(commands: Any) -> None:
     """``derod compare RUN BRANCHES``."""
-    from derod.branches import cli
+    from derod.branches.files import cli
 
     parser = cli.add_compare_parser(commands)
     parser.set_defaults(command=run_compare)
@@ -65,7 +65,7 @@ def add_compare_parser(commands: Any) -> None:
 
 def run_compare(args: argparse.Namespace) -> int:
     """Carry out ``derod compare``."""
-    from derod.branches import cli
+    from derod.branches.files import cli
 
     kinds.expect(args.run, kinds.RUNS, "RUN, the first file")
     kinds.expect(args.branches, kinds.BRANCHES, "BRANCHES, the second file")

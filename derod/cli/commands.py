@@ -110,7 +110,7 @@ def info(args: argparse.Namespace) -> int:
 
 
 def _info_of_branches(args: argparse.Namespace) -> int:
-    from derod.branches.record import open_branches
+    from derod.branches import open_branches
     from derod.cli.branch_summary import branch_lines
 
     if args.si:

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from derod.push.columns import ROW
 from derod.push.frames import Frame
+from derod.push.rows import ROW
 from derod.scene.axis import AXES, axis_of
 from derod.scene.quantities import read_quantity
 
@@ -31,7 +31,7 @@ class Increment:
 
     @property
     def row(self) -> np.void:
-        """The row of the table, of dtype ``columns.ROW``."""
+        """The row of the table, of dtype ``rows.ROW``."""
         row: np.void = self.run.table[self.index]
         return row
 

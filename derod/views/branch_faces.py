@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from derod.branches.record import BranchFile
+from derod.branches import BranchFile
 from derod.scene.axis import both
 from derod.views.faces import html_table, picture_html
 
@@ -40,7 +40,7 @@ def _span(table: np.ndarray) -> tuple[str, str]:
 def open_branches(path: Any) -> Branches:
     """Open a branch file (``derod branch``) for reading: a mapping from names to branches.
 
-    ``file["3D"].table`` has the fields of ``derod.branches.record.POINT`` (units: D, K0/D^2, K0/D),
+    ``file["3D"].table`` has the fields of ``derod.branches.files.layout.POINT`` (units: D, K0/D^2, K0/D),
     ``.positions(i)`` (2k-1, 3) the centre line, ``.arc_length(i)``, ``.drop_center(i)`` (3,),
     ``.bifurcations`` the special points. Raises RecordError.
     """
