@@ -22,11 +22,11 @@ if TYPE_CHECKING:
     from derod.errors import DerodError as DerodError
     from derod.errors import RecordError as RecordError
     from derod.errors import SceneError as SceneError
-    from derod.push.frames import Ending as Ending
-    from derod.push.frames import Event as Event
-    from derod.push.frames import Frame as Frame
-    from derod.push.frames import Observer as Observer
-    from derod.push.frames import Outcome as Outcome
+    from derod.pushing.frames import Ending as Ending
+    from derod.pushing.frames import Event as Event
+    from derod.pushing.frames import Frame as Frame
+    from derod.pushing.frames import Observer as Observer
+    from derod.pushing.frames import Outcome as Outcome
     from derod.record import open_run as open_run
     from derod.record.extrapolate import extrapolate as extrapolate
     from derod.scene import load_scene as load_scene
@@ -39,11 +39,11 @@ __version__ = "0.1.0"
 _HOMES = {
     "Comparison": "derod.branch_api",
     "DerodError": "derod.errors",
-    "Ending": "derod.push.frames",
-    "Event": "derod.push.frames",
-    "Frame": "derod.push.frames",
-    "Observer": "derod.push.frames",
-    "Outcome": "derod.push.frames",
+    "Ending": "derod.pushing.frames",
+    "Event": "derod.pushing.frames",
+    "Frame": "derod.pushing.frames",
+    "Observer": "derod.pushing.frames",
+    "Outcome": "derod.pushing.frames",
     "RecordError": "derod.errors",
     "Scene": "derod.scene.building",
     "SceneError": "derod.errors",
@@ -56,7 +56,6 @@ _HOMES = {
     "parse_scene": "derod.scene",
     "push": "derod.api",
 }
-_PACKAGES = ("push", "scene", "scenes")  # the first two are functions as well (``derod.calling``)
 
 
 def __getattr__(name: str) -> Any:

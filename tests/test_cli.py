@@ -211,7 +211,7 @@ def test_the_tolerance_that_info_tells_is_the_kernels(out: str, capsys: Captured
     from derod import push
     from derod.cli.summary import EPS, ROUNDING
     from derod.equilibrium.system import System
-    from derod.push.encode import decode
+    from derod.pushing.encode import decode
 
     scene = coil(stop='"0.05 pi"')
     run = push(scene)

@@ -8,7 +8,7 @@ import math
 import pytest
 
 from derod.cli.progress import Pace, Progress, Way, clock_time
-from derod.push.frames import Ending, Outcome
+from derod.pushing.frames import Ending, Outcome
 from tests.synthetic import drive, make_event, make_frame, small_scene
 
 

@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from derod.push.frames import Ending, Event, Outcome
+from derod.pushing.frames import Ending, Event, Outcome
 from derod.record.ending import ending_words, event_words
 from derod.scene.axis import AXES, END_SHORTENING, axes_of, axis_of, both, with_units
 from derod.scene.controls import HELD
@@ -52,7 +52,7 @@ def test_endings_and_events_in_words() -> None:
 
 
 def test_every_control_has_an_axis() -> None:
-    from derod.push.controls import CONTROLS
+    from derod.pushing.controls import CONTROLS
 
     assert set(AXES) == set(HELD) == set(CONTROLS)
     for name, control in CONTROLS.items():

@@ -14,8 +14,8 @@ from derod.cli import exits, kinds
 from derod.cli.terminal import say, say_done, show
 from derod.errors import RecordError, SceneError, shown
 from derod.files.outputs import check_output
-from derod.push import interrupts
-from derod.push.frames import Observer, Outcome
+from derod.pushing import interrupts
+from derod.pushing.frames import Observer, Outcome
 from derod.scene import Scene
 from derod.scene.axis import Axis, axis_of
 from derod.scene.checking import check_lines, pushable_words

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from derod.push.frames import Ending, Event
+from derod.pushing.frames import Ending, Event
 from derod.scene.axis import both, with_units
 
 

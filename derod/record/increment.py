@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from derod.push.frames import Frame
-from derod.push.rows import ROW
+from derod.pushing.frames import Frame
+from derod.pushing.rows import ROW
 from derod.scene.axis import AXES, axis_of
 from derod.scene.quantities import read_quantity
 

@@ -21,7 +21,7 @@ from derod.equilibrium.linear import FIRST_SHIFT, LARGEST_SHIFT
 from derod.equilibrium.stability import inertia
 from derod.equilibrium.system import System
 from derod.errors import DerodError
-from derod.push.encode import decode
+from derod.pushing.encode import decode
 from derod.rod.state import State, in_space
 from derod.rod.unknowns import S_A, S_B, X_C
 from derod.scene.program import legs

@@ -1,6 +1,5 @@
 """What is simulated: scene files read into frozen, checked objects."""
 
-from derod.calling import make_callable
 from derod.scene import showing
 from derod.scene.reading import build_scene, load_scene, parse_scene
 from derod.scene.tables import Clamps, Drop, Mesh, Model, Noise, Push, Relax, Rod, Scene
@@ -26,4 +25,3 @@ __all__ = [
 
 Scene.__repr__ = showing.text  # type: ignore[method-assign, assignment]
 Scene._repr_html_ = showing.html  # type: ignore[attr-defined]
-make_callable(__name__, "derod.scene.building", "scene")

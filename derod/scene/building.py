@@ -77,6 +77,6 @@ class _Built(type):
 
 
 class Scene(metaclass=_Built):
-    """``derod.Scene(...)`` is ``derod.scene(...)``; all scenes are instances of it."""
+    """Makes checked scenes; all scenes are instances of it."""
 
     __doc__ = scene.__doc__

@@ -74,7 +74,7 @@ def test_csv_of_a_run_reads_back_exactly(run_file, run, capsys):
 
 def test_every_number_with_a_dimension_has_its_unit():
     from derod.branches.files.layout import POINT
-    from derod.push.rows import ROW
+    from derod.pushing.rows import ROW
     from derod.record.layout import ROW_UNITS
     from derod.views.export.table import LEFT_OUT, POINT_UNITS
 

@@ -23,7 +23,6 @@ def test_tables() -> None:
     assert isinstance(built, CheckedScene) and isinstance(built, derod.Scene)
     assert built == read_scene("quick")
     assert built.path is None and read_scene("quick").path == "quick"
-    assert derod.scene(rod=ROD, drop=DROP, push=PUSH, mesh={"edges": 150}) == built
     flat = {f"{table}.{key}": value for table, keys in
             {"rod": ROD, "drop": DROP, "push": PUSH}.items() for key, value in keys.items()}  # fmt: skip
     assert derod.Scene(None, {**flat, "mesh.edges": 150}) == built

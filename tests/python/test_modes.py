@@ -7,7 +7,7 @@ import pytest
 
 from derod.equilibrium.stability import lowest_mode
 from derod.equilibrium.system import System
-from derod.push.encode import decode
+from derod.pushing.encode import decode
 from derod.record import BaseRun
 from derod.record.modes import ModesError
 

@@ -14,7 +14,7 @@ import pytest
 import derod
 from derod.cli.progress import Progress
 from derod.needs import MissingError
-from derod.push.rows import ROW
+from derod.pushing.rows import ROW
 from derod.record import BaseRun, MemoryRun, RunWriter
 from derod.views.branch_faces import Branches
 from tests.scenes import coil
