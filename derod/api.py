@@ -24,10 +24,9 @@ from derod.record import (
 from derod.record.extrapolate import coarser
 from derod.record.extrapolate import extrapolate as extrapolate_runs
 from derod.scene import Scene
-from derod.scene.axis import axis_of, both
+from derod.scene.axis import both
 from derod.scene.material import check_one_stiffness
 from derod.scene.plan import check_plan
-from derod.scene.program import legs, ways
 from derod.scene.reading import build_scene, plain_tables
 from derod.scenes import read_scene
 

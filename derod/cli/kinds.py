@@ -59,7 +59,8 @@ def kind_of(path: str | os.PathLike[str]) -> Kind:
 def _kind_of_hdf5(path: str) -> Kind:
     from derod.branches import is_branch_file
     from derod.errors import RecordError
-    from derod.files import checks, open_gate
+    from derod.files import checks
+    from derod.files.gate import open_gate
     from derod.record.head import format_of
 
     if is_branch_file(path):

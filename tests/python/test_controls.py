@@ -89,7 +89,7 @@ def test_what_a_resumed_push_in_steps_may_change(tmp_path: Path) -> None:
             again({"stop": "0.1 pi"}),
             r"steps\[0\].stop = .* has been passed; allowed: at least 0.628",
         ),
-        (again({"control": "end_tension", "stop": 5.0}), r"steps\[0\].control differs"),
+        (again({"control": "end_tension", "stop": 5.0}), r"steps\[0\].stop differs in a leg"),
         (
             base.replace({"push.stop": "0.12 pi"}),
             "push.stop differs in a leg|differs in a leg that",
