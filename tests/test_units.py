@@ -31,7 +31,7 @@ def test_both_units() -> None:
         ("already 1.88496 D (0.6 pi)", "already 1.88496 D (0.6 pi)"),
         ("11.88496, 1.884961, 1.88496e3", "11.88496, 1.884961, 1.88496e3"),
         ("nothing to say", "nothing to say"),
-        ("reached end rotation 3.14159", "reached end rotation 3.14159 rad (0.999999 pi)"),
+        ("reached end rotation 3.14159", "reached end rotation 3.14159 rad (1 pi)"),
         ("reached end tension -2.5e-3", "reached end tension -0.0025 K0/D^2"),
         ("no way on beyond weight 2 with", "no way on beyond weight 2 K0/D^2 with"),
         ("weight 2 K0/D^2", "weight 2 K0/D^2"),

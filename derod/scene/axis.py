@@ -83,4 +83,7 @@ def with_units(message: str, end_shortening: float) -> str:
 
 
 def _with_unit(axis: Axis, found: re.Match[str]) -> str:
-    return f"{axis.name} {axis.both(float(found[1]))}"
+    """Six digits were written; a multiple of pi made of them has five."""
+    value = float(found[1])
+    text = f"{axis.name} {value:.6g} {axis.unit}"
+    return f"{text} ({value / math.pi:.5g} pi)" if axis.in_pi else text
