@@ -24,22 +24,27 @@ from derod.record import (
 from derod.record.extrapolate import coarser
 from derod.record.extrapolate import extrapolate as extrapolate_runs
 from derod.scene import Scene
+from derod.scene.axis import both
 from derod.scene.material import check_one_stiffness
 from derod.scene.plan import check_plan
 from derod.scene.reading import build_scene, plain_tables
+from derod.scenes import read_scene
 
 
 def push(
-    scene: Scene | None,
+    scene: Scene | str | os.PathLike[str] | None,
     path: str | os.PathLike[str] | None = None,
     observers: Sequence[Observer] = (),
     *,
     resume: str | os.PathLike[str] | None = None,
     overwrite: bool = False,
     extrapolate: bool = False,
+    progress: bool = False,
     yes_really: bool = False,
 ) -> BaseRun:
     """Push the rod of ``scene`` and return the run, open for reading.
+
+    ``scene`` is a scene, a scene file, or the name of a scene that ships with derod (``derod scenes``).
 
     With ``path`` every increment is committed to that HDF5 file as it settles; without, the run is
     kept in memory. ``observers`` see each frame after it was recorded; one that raises is left out
@@ -49,12 +54,20 @@ def push(
     With ``extrapolate`` the push is done once more on half the edges, landing on every row of the first,
     and ``run.extrapolated`` holds better values and estimated errors (``derod.record.extrapolate``).
 
+    With ``progress`` a bar shows how far it is, in a notebook as in a terminal (tqdm.auto).
+
     A push that plans more rows, or a larger file, than anybody can mean is refused
     (``derod.scene.plan``) unless ``yes_really``.
 
     However the push ends, also by Ctrl-C, the run says so in ``run.ending``. Raises SceneError for
     a scene that is not allowed and RecordError when the file cannot be written or read.
     """
+    if isinstance(scene, str | os.PathLike):
+        scene = read_scene(scene)
+    if progress:
+        from derod.cli.progress import Progress
+
+        observers = [Progress(everywhere=True), *observers]
     if extrapolate:
         if scene is not None:
             scene.replace(
@@ -85,7 +98,9 @@ def push(
 def _checked(scene: Scene, yes_really: bool) -> Scene:
     """The scene, checked again, since it may have been put together by hand. Raises SceneError."""
     if not isinstance(scene, Scene):
-        raise SceneError("is no scene (derod.load_scene reads one)", value=scene)
+        raise SceneError(
+            "is no scene (derod.Scene makes one, derod.load_scene reads one)", value=scene
+        )
     scene = build_scene(plain_tables(scene), scene.path)
     check_one_stiffness(scene)
     if not yes_really:
@@ -181,7 +196,7 @@ def _drive(
 
     def interrupted() -> Ending:
         place = last.end_shortening
-        where = "before the first increment" if math.isnan(place) else f"at {place:.6g}"
+        where = "before the first increment" if math.isnan(place) else f"at {both(place)}"
         return end(Outcome.INTERRUPTED, f"{interrupts.words()} {where}")
 
     try:

@@ -46,7 +46,9 @@ def test_a_push_that_gets_there(scene: str, out: str, capsys: Captured) -> None:
     assert cli.main(["push", scene, "-o", out]) == 0
     said = capsys.readouterr()
     assert "completed: reached end-shortening" in said.out and out in said.out
-    assert " of 0.05 pi  t = " in said.err
+    assert " of 0.1571 D (0.05 pi)  t = " in said.err
+    assert "reached end-shortening 0.15708 D (0.05 pi)" in said.out
+    assert said.out.endswith(f"next: derod info {out}, derod plot {out}, derod view {out}\n")
     with open_run(out) as run:
         assert run.outcome is Outcome.COMPLETED
         assert run.table["end_shortening"][-1] == 0.05 * math.pi
@@ -55,7 +57,11 @@ def test_a_push_that_gets_there(scene: str, out: str, capsys: Captured) -> None:
     with open_run(out) as run:
         assert run.table["end_shortening"][-1] == 0.06 * math.pi
     assert cli.main(["push", "--resume", out, "--stop", "0.03 pi"]) == 2
-    assert "push.stop" in capsys.readouterr().err
+    error = capsys.readouterr().err
+    assert error.startswith(
+        "derod: error: --stop = '0.03 pi' = 0.0942478 D (0.03 pi) has been passed"
+    )
+    assert "at least 0.188496 D (0.06 pi)" in error
 
 
 def test_what_the_command_line_changes(scene: str, out: str) -> None:
@@ -77,11 +83,12 @@ def test_what_the_command_line_changes(scene: str, out: str) -> None:
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        (["--edges", "3"], "mesh.edges = 3"),
-        (["--method", "newton"], "relax.method = 'newton'"),
-        (["--stop", "3 pi"], "push.stop"),
-        (["--stop", "nonsense"], "push.stop = 'nonsense'"),
-        (["--stop", "0.03 pi,"], "push.stop[1] = ''"),
+        (["--edges", "3"], "--edges = 3 is out of range"),
+        (["--method", "newton"], "--method = 'newton' is no"),
+        (["--stop", "3 pi"], "--stop = '3 pi' = 9.42478 D (3 pi) is a push past"),
+        (["--stop", "nonsense"], "--stop = 'nonsense' is not understood"),
+        (["--stop", "0.03 pi,"], "--stop = '0.03 pi, ': part 2, '', is not understood"),
+        (["--stop", "1, 1"], "--stop = '1, 1': part 2, '1', = 1 D (0.31831 pi) does not move"),
     ],
 )
 def test_changes_that_are_wrong(
@@ -89,7 +96,8 @@ def test_changes_that_are_wrong(
 ) -> None:
     assert cli.main(["push", scene, "-o", out, *change]) == 2
     error = capsys.readouterr().err
-    assert error.startswith(f"derod: {scene}: ") and words in error and "; allowed: " in error
+    assert error.startswith(f"derod: error: {words}") and "; allowed: " in error
+    assert scene not in error, "the command line is to blame"
     assert error.count("\n") == 1 and not Path(out).exists()
 
 
@@ -100,7 +108,7 @@ def test_a_bad_scene(tmp_path: Path, out: str, capsys: Captured) -> None:
         assert cli.main(command) == 2
         error = capsys.readouterr().err
         assert (
-            error.startswith(f"derod: {bad}: drop.wall_softnes is unknown")
+            error.startswith(f"derod: error: {bad}: drop.wall_softnes is unknown")
             and "did you mean" in error
         )
     assert not Path(out).exists()
@@ -117,23 +125,33 @@ def test_files_that_are_not_there(scene: str, tmp_path: Path, out: str, capsys: 
     ):
         assert cli.main(command) == 2, command
         error = capsys.readouterr().err
-        assert error.startswith("derod: ") and command[-1 if command[-1] != out else 1] in error
+        assert (
+            error.startswith("derod: error: ") and command[-1 if command[-1] != out else 1] in error
+        )
 
 
 def test_arguments_that_make_no_sense(scene: str, out: str, capsys: Captured) -> None:
     for command in (
         ["push"],
-        ["push", scene],
         ["push", scene, "--resume", out],
         ["push", "--resume", out, "--edges", "50"],
         ["push", "--resume", out, "--force"],
     ):
         assert cli.main(command) == 2, command
-        assert capsys.readouterr().err.startswith("derod: ")
-    for command in ([], ["nonsense"], ["push", scene, "-o", out, "--edges", "many"]):
+        assert capsys.readouterr().err.startswith("derod: error: ")
+    for command in (["nonsense"], ["push", scene, "-o", out, "--edges", "many"]):
         with pytest.raises(SystemExit) as end:
             cli.main(command)
         assert end.value.code == 2
+        assert "\nderod: error: " in capsys.readouterr().err
+
+
+def test_derod_alone_prints_help(capsys: Captured) -> None:
+    assert cli.main([]) == 0
+    said = capsys.readouterr()
+    assert said.out.startswith("usage: derod") and not said.err
+    done = subprocess.run([sys.executable, "-m", "derod"], capture_output=True, text=True)
+    assert (done.returncode, done.stdout[:12], done.stderr) == (0, "usage: derod", "")
 
 
 def test_an_existing_file_is_kept(scene: str, out: str, capsys: Captured) -> None:
@@ -180,7 +198,33 @@ def test_info(scene: str, out: str, capsys: Captured) -> None:
         landed = run.table[run.table["landing"]]
     head = text.index("landings")
     rows = [line.split() for line in text[head:].splitlines()[2 : 2 + len(landed)]]
-    assert [float(row[1]) for row in rows] == [0.001, 0.02, 0.05]
-    assert float(rows[-1][2]) == pytest.approx(landed["end_tension"][-1], abs=1e-5)
+    assert [float(row[2]) for row in rows] == [0.001, 0.02, 0.05]
+    assert [float(row[1]) for row in rows] == [0.00314, 0.06283, 0.15708]
+    assert float(rows[-1][3]) == pytest.approx(landed["end_tension"][-1], abs=1e-5)
     for words in ("l = 10", "60 edges, implicit", "seed 1", "events", "worst residual"):
         assert words in text
+    assert "from end-shortening 0.00314159 D (0.001 pi): end-shortening to 0.15708 D (0.05" in text
+
+
+def test_the_tolerance_that_info_tells_is_the_kernels(out: str, capsys: Captured) -> None:
+    """Worst ratio of a residual to what it is held to: by the kernel, and between info's two ends."""
+    from derod import push
+    from derod.cli.summary import EPS, ROUNDING
+    from derod.equilibrium.system import System
+    from derod.pushing.encode import decode
+
+    scene = coil(stop='"0.05 pi"')
+    run = push(scene)
+    system = System(scene)
+    state = decode(system, run.frame_at(-1), slides=False)
+    assert system.gradient(state)
+    lengths = system.rest_lengths(state)
+    outer = min(lengths[:5].min(), lengths[-5:].min())  # no wall there
+    node = 2
+    h = min(lengths[node - 1], lengths[node])
+    allowed = scene.relax.tolerance + EPS * scene.rod.length * ROUNDING / h**3
+    room = system.room
+    before, _ = system.excess(state, scene.relax.tolerance)
+    room.r[node, 0] = 10 * allowed
+    ratio, force = system.excess(state, scene.relax.tolerance)
+    assert before < 1 and ratio == pytest.approx(10.0) and force == 10 * allowed and outer > 0

@@ -7,7 +7,7 @@ import math
 
 import pytest
 
-from derod.cli.progress import Pace, Progress, clock_time, way_covered
+from derod.cli.progress import Pace, Progress, Way, clock_time
 from derod.pushing.frames import Ending, Outcome
 from tests.synthetic import drive, make_event, make_frame, small_scene
 
@@ -37,8 +37,8 @@ def test_elsewhere_a_line_now_and_then() -> None:
     text = shown(io.StringIO(), 0.01)
     states = [line for line in text.splitlines() if "unstable" in line]
     assert 8 <= len(states) <= 10, "one a tenth of the way, not one an increment"
-    assert all(" of 0.4 pi  t = " in line for line in states)
-    assert states[-1].startswith("0.4") or states[-1].startswith("0.3")
+    assert all(" of 1.257 D (0.4 pi)  t = " in line for line in states)
+    assert states[-1].startswith(("1.257 D (0.4 pi) of", "1.225 D (0.39 pi) of", "1.162 D (0.37"))
     assert "\r" not in text and "\x1b" not in text and "%|" not in text
 
 
@@ -51,14 +51,14 @@ def test_events_are_told() -> None:
     for stream in (io.StringIO(), Terminal()):
         text = shown(stream, 0.01)
         assert text.count("instability at ") == 8
-        assert "instability at 0.0159 pi: before increment 4: é" in text
+        assert "instability at 0.05 D (0.0159155 pi): before increment 4: é" in text
 
 
 def test_a_bar_on_a_terminal() -> None:
     text = shown(Terminal(), 0.5)
     assert "compiling or loading kernels" in text
     last = text.split("\r")[-1]
-    assert "100%|" in last and "0.400 of 0.4 pi" in last and "0 s left" in last
+    assert "100%|" in last and "1.257 D (0.4 pi) of 1.257 D (0.4 pi)" in last and "0 s left" in last
     assert text.endswith("\n")
 
 
@@ -77,9 +77,28 @@ def test_a_push_that_ends_early_takes_its_bar_down() -> None:
 
 def test_the_way_is_counted_up_and_down() -> None:
     scene = small_scene(push__stop=[1.0, 0.5, 0.75], push__start=0.25, push__at=[])
-    assert way_covered(scene, 0, 0.5) == 0.25
-    assert way_covered(scene, 1, 0.75) == 1.0
-    assert way_covered(scene, 2, 0.75) == 1.5
+    way, step = Way(scene), scene.push.max_step
+    assert way.covered(0, 0.5) == pytest.approx(0.25 / step)
+    assert way.covered(1, 0.75) == pytest.approx(1.0 / step)
+    assert way.covered(2, 0.75) == way.total == pytest.approx(1.5 / step)
+
+
+def test_the_way_of_a_push_in_steps() -> None:
+    scene = small_scene(
+        push__stop=[1.0],
+        push__start=0.25,
+        push__at=[],
+        steps=[
+            {"control": "end_rotation", "stop": 2.0, "max_step": 0.5},
+            {"control": "end_tension", "stop": 10.0, "max_step": 1.0},
+        ],
+    )
+    way, first = Way(scene), 0.75 / scene.push.max_step
+    assert way.total == pytest.approx(first + 4 + 1), "the tension's begin is not known yet"
+    assert way.covered(1, 1.0) == pytest.approx(first + 2)
+    assert way.covered(2, 12.0) == pytest.approx(first + 4)
+    assert way.covered(2, 11.0) == pytest.approx(first + 5)
+    assert way.total == pytest.approx(first + 4 + 2)
 
 
 def test_the_pace_forgets() -> None:

@@ -22,12 +22,15 @@ from derod.pushing import interrupts
 METHODS = ("implicit", "elliptic", "fire", "kinetic")
 
 COMMANDS: tuple[str, ...] = (
-    "derod.branches:add_branch_parser",
-    "derod.branches:add_compare_parser",
+    "derod.cli.scenes:add_scenes_parser",
+    "derod.cli.scenes:add_init_parser",
+    "derod.cli.branches:add_branch_parser",
+    "derod.cli.branches:add_compare_parser",
     "derod.views.stream.cli:add_view_parser",
     "derod.views.plots.cli:add_plot_parser",
     "derod.views.plots.cli:add_movie_parser",
     "derod.views.export.cli:add_export_parser",
+    "derod.cli.completion:add_completion_parser",
 )
 """More commands, as "module:function"; the function is given the sub-parsers to add itself to."""
 
@@ -42,13 +45,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and return its exit code (``exits.MEANINGS``)."""
 
     def work() -> int:
-        args = build_parser().parse_args(arguments)
+        parser = build_parser()
+        args = parser.parse_args(arguments)
+        if args.command is None:
+            parser.print_help()
+            return DONE
         try:
             return int(args.command(args))
         except RecordError as error:
             if isinstance(error, RefusedError) or not args.writes:
                 raise
-            terminal.say(f"derod: {error}")
+            terminal.say(f"derod: error: {error}")
             return NOT_REACHED
 
     return carry_out(work, leaving=arguments is None)
@@ -67,10 +74,10 @@ def carry_out(work: Callable[[], int], *, leaving: bool = True) -> int:
             terminal.finish()
             return code
         except terminal.NotShownError as error:
-            terminal.say(f"derod: {error}")
+            terminal.say(f"derod: error: {error}")
             return code or NOT_SHOWN
         except DerodError as error:
-            terminal.say(f"derod: {error}")
+            terminal.say(f"derod: error: {error}")
             return BAD_INPUT
         except SystemExit as stop:  # of argparse, after its own words
             return _after_words(stop)
@@ -87,7 +94,7 @@ def _after_words(stop: SystemExit) -> int:
     try:
         terminal.finish()
     except terminal.NotShownError as error:
-        terminal.say(f"derod: {error}")
+        terminal.say(f"derod: error: {error}")
         return NOT_SHOWN
     raise stop
 
@@ -110,7 +117,7 @@ class Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
         """Print the usage and what is wrong, and exit with 2."""
         self.print_usage(sys.stderr)
-        self.exit(BAD_INPUT, f"{self.prog}: error: {printable(message)}\n")
+        self.exit(BAD_INPUT, f"derod: error: {printable(message)}\n")
 
 
 def build_parser() -> argparse.ArgumentParser:
@@ -121,7 +128,8 @@ def build_parser() -> argparse.ArgumentParser:
         epilog=MEANINGS,
     )
     parser.add_argument("--version", action="version", version=f"derod {__version__}")
-    commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
+    parser.set_defaults(command=None, writes=False)
+    commands = parser.add_subparsers(title="commands", metavar="COMMAND")
     _add_push(commands)
     _add_check(commands)
     _add_info(commands)
@@ -135,11 +143,22 @@ def _add_push(commands: Any) -> None:
     parser = commands.add_parser(
         "push",
         help="push the rod of a scene and record every settled increment",
-        description="Push the rod of SCENE and record every settled increment in FILE.",
+        description="Push the rod of SCENE and record every settled increment in FILE. SCENE is a file, or "
+        "the name of a scene that ships with derod (derod scenes).",
         epilog=MEANINGS,
     )
-    parser.add_argument("scene", nargs="?", metavar="SCENE", help="scene file (TOML)")
-    parser.add_argument("-o", "--output", metavar="FILE", help="run file to write (HDF5)")
+    parser.add_argument(
+        "scene",
+        nargs="?",
+        metavar="SCENE",
+        help="scene file (TOML), or a shipped one such as quick",
+    )
+    parser.add_argument(
+        "-o",
+        "--output",
+        metavar="FILE",
+        help="run file to write (SCENE.h5, beside SCENE; here for a shipped one)",
+    )
     parser.add_argument("--force", action="store_true", help="replace files that exist")
     parser.add_argument("--resume", metavar="FILE", help="go on with a run that has ended")
     parser.add_argument("--method", metavar="M", help=f"relaxation: {', '.join(METHODS)}")
@@ -147,7 +166,7 @@ def _add_push(commands: Any) -> None:
     parser.add_argument(
         "--stop",
         metavar="X",
-        help="end-shortening to stop at, e.g. '2.8 pi', or turning points '2 pi, 1 pi'",
+        help="end-shortening to stop at, e.g. '2.8 pi', or in D: 8.8; or turning points '2 pi, 1 pi'",
     )
     parser.add_argument(
         "--extrapolate",
@@ -163,7 +182,7 @@ def _add_push(commands: Any) -> None:
 
 def _add_check(commands: Any) -> None:
     parser = commands.add_parser("check", help="check a scene and print its dimensionless groups")
-    parser.add_argument("scene", metavar="SCENE", help="scene file (TOML)")
+    parser.add_argument("scene", metavar="SCENE", help="scene file (TOML), or a shipped one")
     _add_yes_really(parser)
     parser.set_defaults(command=_run("check"), writes=False)
 
@@ -175,8 +194,10 @@ def _add_yes_really(parser: Any) -> None:
 
 
 def _add_info(commands: Any) -> None:
-    parser = commands.add_parser("info", help="say what a run did: landings, events, outcome")
-    parser.add_argument("file", metavar="FILE", help="run file, finished or not")
+    parser = commands.add_parser(
+        "info", help="say what a run did, or which branches a file has: landings, events, outcome"
+    )
+    parser.add_argument("file", metavar="FILE", help="run or branch file, finished or not")
     parser.add_argument(
         "--verify", action="store_true", help="read all of it back and check it (exit code 2)"
     )

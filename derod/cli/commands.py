@@ -3,17 +3,26 @@
 from __future__ import annotations
 
 import argparse
+import shlex
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from importlib import import_module
+from typing import Any
 
-from derod.cli import exits
+from derod import scenes
+from derod.cli import exits, kinds
 from derod.cli.terminal import say, say_done, show
-from derod.errors import RecordError
+from derod.errors import RecordError, SceneError, shown
 from derod.files.outputs import check_output
 from derod.pushing import interrupts
 from derod.pushing.frames import Observer, Outcome
-from derod.scene import Scene, load_scene
+from derod.scene import Scene
+from derod.scene.axis import Axis, axis_of
 from derod.scene.checking import check_lines, pushable_words
 from derod.scene.plan import check_plan, planned
+
+OPTIONS = {"relax.method": "--method", "mesh.edges": "--edges", "push.stop": "--stop"}
+"""The keys of a scene that the command line changes, and what changes them."""
 
 EXIT_CODES = {Outcome.COMPLETED: exits.DONE}
 """Of the outcomes; an interrupted one's is 128 and the signal's, all others are ``exits.NOT_REACHED``."""
@@ -31,22 +40,24 @@ def push(args: argparse.Namespace) -> int:
 
         observers.append(Progress())
     from derod.api import push as push_scene
+    from derod.record.ending import ending_words
 
-    with push_scene(
-        scene,
-        None if args.resume else args.output,
-        observers + watchers,
-        resume=args.resume,
-        overwrite=args.force,
-        extrapolate=args.extrapolate,
-        yes_really=args.yes_really,
-    ) as run:
+    with (
+        blaming_the_command_line(changed(args), scene),
+        push_scene(
+            scene,
+            None if args.resume else args.output,
+            observers + watchers,
+            resume=args.resume,
+            overwrite=args.force,
+            extrapolate=args.extrapolate,
+            yes_really=args.yes_really,
+        ) as run,
+    ):
         ending, count, extrapolated = run.ending, len(run), run.extrapolated is not None
     if ending is None:
         raise RecordError(f"{run.path}: the push left no word of how it ended")
-    words = (
-        f"{ending.outcome.replace('_', ' ')}: {ending.message} ({count} increments in {run.path})"
-    )
+    words = f"{ending_words(ending)} ({count} increments in {run.path})"
     code = EXIT_CODES.get(ending.outcome, exits.NOT_REACHED)
     if ending.outcome is Outcome.INTERRUPTED:
         code = interrupts.exit_code()
@@ -57,12 +68,15 @@ def push(args: argparse.Namespace) -> int:
         say(f"derod: {words}")
     elif not args.quiet:
         say_done(words)
+        file = shlex.quote(str(run.path))
+        say_done(f"next: derod info {file}, derod plot {file}, derod view {file}")
     return code
 
 
 def check(args: argparse.Namespace) -> int:
     """``derod check``."""
-    scene = load_scene(args.scene)
+    kinds.expect(scenes.file_of(args.scene), kinds.SCENES)
+    scene = scenes.read_scene(args.scene)
     if not args.yes_really:
         check_plan(scene)
     show(f"{args.scene}: {pushable_words(scene)}")
@@ -79,6 +93,9 @@ def info(args: argparse.Namespace) -> int:
     from derod.cli.summary import summary_lines
     from derod.record import open_run
 
+    kinds.expect(args.file, kinds.RESULTS)
+    if kinds.kind_of(args.file) is kinds.Kind.BRANCHES:
+        return _info_of_branches(args)
     with open_run(args.file, verify=args.verify) as run:
         for line in summary_lines(run):
             show(line)
@@ -92,14 +109,60 @@ def info(args: argparse.Namespace) -> int:
     return exits.DONE
 
 
-def _scene_to_push(args: argparse.Namespace) -> Scene:
-    """The scene of the file or of the run to resume, with what the command line changes."""
+def _info_of_branches(args: argparse.Namespace) -> int:
+    from derod.branches import open_branches
+    from derod.cli.branch_summary import branch_lines
+
+    if args.si:
+        raise exits.UsageError(f"{args.file}: --si is for run files, and this is a branch file")
+    with open_branches(args.file) as file:
+        for line in branch_lines(file):
+            show(line)
+        if args.verify:
+            if not file.checksummed:
+                raise RecordError(f"{args.file}: is not checksummed: it was written by derod 0.1")
+            show(f"verified: all {len(file)} branches and the head fit their checksums")
+    return exits.DONE
+
+
+def changed(args: argparse.Namespace) -> dict[str, Any]:
+    """The keys of the scene that the command line changes, and their values."""
     changes = {
         "relax.method": args.method,
         "mesh.edges": args.edges,
         "push.stop": None if args.stop is None else _stops(args.stop),
     }
-    given = {key: value for key, value in changes.items() if value is not None}
+    return {key: value for key, value in changes.items() if value is not None}
+
+
+@contextmanager
+def blaming_the_command_line(given: Mapping[str, Any], scene: Scene) -> Iterator[None]:
+    """Let errors of values that the command line gave name the option, not a file."""
+    try:
+        yield
+    except SceneError as error:
+        for key, option in OPTIONS.items():
+            if key in given and error.key is not None and error.key.partition("[")[0] == key:
+                raise exits.UsageError(_blame(option, given[key], error, axis_of(scene))) from error
+        raise
+
+
+def _blame(option: str, value: Any, error: SceneError, axis: Axis) -> str:
+    line = f"{option} = {shown(', '.join(value) if isinstance(value, list) else value)}"
+    if isinstance(value, list) and error.key is not None and error.key.endswith("]"):
+        which = int(error.key.partition("[")[2][:-1])
+        line += f": part {which + 1}, {shown(value[which])},"
+    if option == "--stop" and isinstance(error.value, float):
+        line += f" = {axis.both(error.value)}"
+    return f"{line} {error.problem}" + (f"; allowed: {error.allowed}" if error.allowed else "")
+
+
+def _scene_to_push(args: argparse.Namespace) -> Scene:
+    """The scene of the file or of the run to resume, with what the command line changes.
+
+    Where no output is named it gets its default name.
+    """
+    given = changed(args)
     if args.resume:
         forced = args.force and not str(args.rerun or "").endswith(".rrd")
         if args.scene or args.output or forced:
@@ -110,13 +173,26 @@ def _scene_to_push(args: argparse.Namespace) -> Scene:
             raise exits.UsageError(
                 "a resumed run keeps its method and its mesh; only --stop may change"
             )
-        scene = _recorded_scene(args.resume).replace(given)
+        kinds.expect(args.resume, kinds.RUNS, "--resume")
+        recorded = _recorded_scene(args.resume)
+        with blaming_the_command_line(given, recorded):
+            scene = recorded.replace(given)
         check_output(args.resume, force=True)
     else:
-        if not args.scene or not args.output:
-            raise exits.UsageError("push needs SCENE and -o FILE, or --resume FILE")
-        check_output(args.output, force=args.force, inputs=[args.scene])
-        scene = load_scene(args.scene).replace(given)
+        if not args.scene:
+            raise exits.UsageError(
+                "push needs SCENE, a file or a shipped one such as quick (derod scenes), or --resume FILE"
+            )
+        file = scenes.file_of(args.scene)
+        kinds.expect(file, kinds.SCENES, "SCENE")
+        original = scenes.read_scene(args.scene)
+        ask = "--force replaces it"
+        if args.output is None:
+            args.output = kinds.default_output(args.scene, ".h5")
+            ask = "--force replaces it, -o FILE writes another, --resume goes on with it"
+        check_output(args.output, force=args.force, inputs=[file], ask=ask)
+        with blaming_the_command_line(given, original):
+            scene = original.replace(given)
     if not args.yes_really:
         check_plan(scene)
     return scene

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 from derod.errors import DerodError
 
 DONE, EXCEEDED, BAD_INPUT, NOT_REACHED, NOT_SHOWN, INTERRUPTED = 0, 1, 2, 3, 4, 130
@@ -14,3 +18,13 @@ MEANINGS = (
 
 class UsageError(DerodError):
     """Arguments that make no sense together, or with the files that are there."""
+
+
+@contextmanager
+def naming_options(*names: str) -> Iterator[None]:
+    """Let complaints of the Python functions about their arguments name the command line's options."""
+    try:
+        yield
+    except UsageError as error:
+        told = re.sub(rf"(^|: )({'|'.join(names)}) = ", r"\1--\2 = ", str(error), count=1)
+        raise UsageError(told) from error

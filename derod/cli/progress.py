@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 import sys
 import time
@@ -11,17 +10,38 @@ from typing import Any, TextIO
 
 from derod.pushing.frames import Ending, Event, Frame
 from derod.scene import Scene
+from derod.scene.axis import AXES, END_SHORTENING
+from derod.scene.program import legs, ways
 
 MEMORY = 5.0  # s, over which the pace is averaged: seconds of easy increments are soon forgotten
 LINE_EVERY = 10.0  # s
 LINE_AT = 0.1  # of the way
 
 
-def way_covered(scene: Scene, segment: int, end_shortening: float) -> float:
-    """How much end-shortening, up and down, lies between the start and this point of a leg, in D."""
-    points = (scene.push.start, *scene.push.stop)
-    legs = [abs(after - before) for before, after in itertools.pairwise(points)]
-    return sum(legs[:segment]) + abs(end_shortening - points[segment])
+class Way:
+    """The way of a push, leg after leg, up and down, in its largest increments."""
+
+    def __init__(self, scene: Scene) -> None:
+        self.axes = [AXES[leg.control] for leg in legs(scene)]
+        self.stops = [leg.stop for leg in legs(scene)]
+        self._steps = [leg.max_step for leg in legs(scene)]
+        self._begins = [begin for begin, _ in ways(scene)]
+
+    @property
+    def total(self) -> float:
+        """All of it; a leg whose begin is not known yet counts as one increment."""
+        return sum(self._length(k) for k in range(len(self.stops)))
+
+    def covered(self, segment: int, value: float) -> float:
+        """What lies before a value of the control of a leg."""
+        if math.isnan(self._begins[segment]):  # the control was free before: it begins here
+            self._begins[segment] = value
+        here = abs(value - self._begins[segment]) / self._steps[segment]
+        return sum(self._length(k) for k in range(segment)) + here
+
+    def _length(self, k: int) -> float:
+        length = abs(self.stops[k] - self._begins[k]) / self._steps[k]
+        return 1.0 if math.isnan(length) else length
 
 
 class Pace:
@@ -33,7 +53,7 @@ class Pace:
         self._time = 0.0
 
     def add(self, way: float, now: float) -> None:
-        """Take in that ``way`` (D) is covered at the time ``now`` (s)."""
+        """Take in that ``way`` is covered at the time ``now`` (s)."""
         if self._at is not None:
             step = max(now - self._at[1], 0.0)
             keep = math.exp(-step / MEMORY)
@@ -42,7 +62,7 @@ class Pace:
         self._at = (way, now)
 
     def seconds_left(self, total: float) -> float | None:
-        """Time to ``total`` (D) at the present pace, or None while there is no telling."""
+        """Time to ``total`` at the present pace, or None while there is no telling."""
         if self._at is None or self._way <= 0.0 or self._time <= 0.0:
             return None
         return max(total - self._at[0], 0.0) * self._time / self._way
@@ -51,13 +71,19 @@ class Pace:
 class Progress:
     """Shows end-shortening, tension, unstable modes and the time left.
 
-    A bar on a terminal, and elsewhere a line now and then.
+    A bar on a terminal, and elsewhere a line now and then; with ``everywhere`` a bar in any case, and in a
+    notebook that of the notebook.
     """
 
     def __init__(
-        self, stream: TextIO | None = None, clock: Callable[[], float] = time.monotonic
+        self,
+        stream: TextIO | None = None,
+        clock: Callable[[], float] = time.monotonic,
+        *,
+        everywhere: bool = False,
     ) -> None:
         self._stream = sys.stderr if stream is None else stream
+        self._everywhere = everywhere
         self._clock = clock
         self._pace = Pace()
         self._bar: Any = None
@@ -65,39 +91,43 @@ class Progress:
     def start(self, scene: Scene, first_increment: int) -> None:
         """Show that the push begins; the first increment may wait for kernels to be compiled."""
         self._scene = scene
-        legs = len(scene.push.stop)
-        self._total = way_covered(scene, legs - 1, scene.push.stop[-1])
+        self._way = Way(scene)
         self._began = self._clock()
         self._shown = (0.0, self._began)
-        if self._stream.isatty():
-            from tqdm import tqdm  # 70 ms, only for those who watch
+        if self._everywhere or self._stream.isatty():
+            if self._everywhere:
+                from tqdm.auto import tqdm
+            else:
+                from tqdm import tqdm  # 70 ms, only for those who watch
 
             self._bar = tqdm(
-                total=self._total / math.pi,
+                total=self._way.total,
                 file=self._stream,
-                bar_format="{percentage:3.0f}%|{bar:24}| {desc}",
+                bar_format="{percentage:3.0f}%|{bar:16}| {desc}",
                 desc="compiling or loading kernels (the first time: half a minute)",
                 leave=True,
             )
 
     def event(self, event: Event) -> None:
         """Say what happened."""
-        self._say(
-            f"{event.kind} at {event.end_shortening / math.pi:.4f} pi"
-            + (f": {event.message}" if event.message else "")
-        )
+        from derod.record.ending import event_words
+
+        self._say(event_words(event))
 
     def frame(self, frame: Frame) -> None:
         """Show how far the push is."""
         row, now = frame.row, self._clock()
-        way = way_covered(self._scene, int(row["segment"]), float(row["end_shortening"]))
+        segment = int(row["segment"])
+        way = self._way.covered(segment, float(row[self._way.axes[segment].column]))
         self._pace.add(way, now)
         text = self._state(row, now)
         if self._bar is not None:
-            self._bar.n = min(way, self._total) / math.pi
+            self._bar.n = min(way, self._way.total)
             self._bar.set_description_str(text, refresh=False)
             self._bar.update(0)
-        elif way - self._shown[0] >= LINE_AT * self._total or now - self._shown[1] >= LINE_EVERY:
+        elif (
+            way - self._shown[0] >= LINE_AT * self._way.total or now - self._shown[1] >= LINE_EVERY
+        ):
             self._shown = (way, now)
             self._say(text)
 
@@ -109,9 +139,12 @@ class Progress:
             self._bar = None
 
     def _state(self, row: Any, now: float) -> str:
-        left = self._pace.seconds_left(self._total)
+        segment = int(row["segment"])
+        left, axis = self._pace.seconds_left(self._way.total), self._way.axes[segment]
+        goal = self._way.stops[segment]
+        name = "" if axis is END_SHORTENING else f"{axis.symbol} = "
         return (
-            f"{row['end_shortening'] / math.pi:.3f} of {self._scene.push.stop[-1] / math.pi:g} pi"
+            f"{name}{axis.both(float(row[axis.column]), 4)} of {axis.both(goal, 4)}"
             f"  t = {row['end_tension']:.3f}  unstable {row['unstable_modes']}"
             f"  {clock_time(now - self._began)}"
             f", {'?' if left is None else clock_time(left)} left"

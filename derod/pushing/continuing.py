@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from derod.errors import SceneError
 from derod.scene import Scene
+from derod.scene.axis import AXES
 from derod.scene.program import Leg, legs
 
 if TYPE_CHECKING:
@@ -42,6 +43,7 @@ def check_ahead(old: BaseRun, scene: Scene, now: tuple[Leg, ...], at: int) -> No
     """Raise SceneError where the present goal, or a new landing, has been passed."""
     was, leg = legs(old.scene)[at], now[at]
     reached = float(old.table[leg.control][-1])
+    told = AXES[leg.control].both(reached)
     first = old.table[old.table["segment"] == at][leg.control][0]
     onward = math.copysign(1.0, was.stop - float(first))
     if (leg.stop - reached) * onward < 0.0:
@@ -50,7 +52,7 @@ def check_ahead(old: BaseRun, scene: Scene, now: tuple[Leg, ...], at: int) -> No
             file=scene.path,
             key=leg.key,
             value=leg.stop,
-            allowed=f"{'at least' if onward > 0.0 else 'at most'} {reached:.6g}, where the run is",
+            allowed=f"{'at least' if onward > 0.0 else 'at most'} {told}, where the run is",
         )
     known = {place for one in legs(old.scene) if same_table(one, leg) for place in one.at}
     for landing in sorted(set(leg.at) - known):
@@ -67,7 +69,7 @@ def check_ahead(old: BaseRun, scene: Scene, now: tuple[Leg, ...], at: int) -> No
                 file=scene.path,
                 key=f"{leg.key.partition('.')[0]}.at",
                 value=landing,
-                allowed=f"landings ahead of {reached:.6g}, where the run is",
+                allowed=f"landings ahead of {told}, where the run is",
             )
 
 

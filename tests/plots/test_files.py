@@ -53,18 +53,18 @@ def test_endings(run, tmp_path, ending, head):
         (["plot", "RUN", "-o", "DIR/a.jpg"], "DIR/a.jpg: allowed: a name that ends in .png"),
         (["plot", "RUN", "-o", "DIR/no/a.png"], "no such folder"),
         (["plot", "RUN", "--at", "0.6x"], "--at = '0.6x': is not understood as a number"),
-        (["plot", "RUN", "--at", "4 pi"], "RUN: at = 4 pi (12.5664 D): has no state there"),
+        (["plot", "RUN", "--at", "4 pi"], "RUN: --at = 12.5664 D (4 pi): has no state there"),
         (["plot", "RUN", "--paths", "Ax"], "no branch file is given"),
-        (["plot", "AX", "--paths", "Q"], "AX: paths = Q: is not in it; allowed: Ax"),
+        (["plot", "AX", "--paths", "Q"], "AX: --paths = Q: is not in it; allowed: Ax"),
         (["plot", "AX", "-k", "energies"], "AX: is a branch file; allowed for energies: one run"),
         (["plot", "RUN", "-k", "compare"], "compare: a branch file (derod branch) is missing"),
         (["plot", "RUN", "RUN", "-k", "kymograph"], "RUN: is a run file too many"),
-        (["plot", "RUN", "--every", "0"], "every = 0: allowed: 1, 2"),
-        (["plot", "RUN", "--style", "blue"], "style = 'blue': allowed: light, dark"),
+        (["plot", "RUN", "--every", "0"], "--every = 0: allowed: 1, 2"),
+        (["plot", "RUN", "--style", "blue"], "--style = 'blue': allowed: light, dark"),
         (["plot", "DIR/none.h5"], "none.h5: there is no such file"),
         (["movie", "AX"], "AX: is a branch file"),
         (["movie", "RUN", "-o", "DIR/a.avi"], "allowed: a name that ends in .gif or .mp4"),
-        (["movie", "RUN", "--frames", "1"], "frames = 1: allowed: 2 to"),
+        (["movie", "RUN", "--frames", "1"], "--frames = 1: allowed: 2 to"),
     ],
 )
 def test_refusals(words, said, run_file, ax_file, capsys):
@@ -78,7 +78,7 @@ def test_refusals(words, said, run_file, ax_file, capsys):
     before = sorted(run_file.parent.iterdir())
     assert main([filled(word) for word in words]) == 2
     error = capsys.readouterr().err
-    assert error.startswith("derod: ") and error.count("\n") == 1
+    assert error.startswith("derod: error: ") and error.count("\n") == 1
     assert filled(said) in error
     assert sorted(run_file.parent.iterdir()) == before
 

@@ -59,7 +59,7 @@ def test_the_command(run_file, tmp_path):
         command = [sys.executable, "-m", "derod", "view", *wrong]
         done = subprocess.run(command, capture_output=True, text=True, check=False)
         assert done.returncode == 2
-        assert done.stderr.startswith("derod: ")
+        assert done.stderr.startswith("derod: error: ")
         assert "Traceback" not in done.stderr
 
 

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from derod.cli.exits import UsageError
+from derod.scene.axis import axes_of, axis_of
 from derod.views.export.output import write_file
 from derod.views.export.vtk import Field, collection, poly_data
 from derod.views.stream.fields import curvature, node_tension, wetted
@@ -77,11 +78,11 @@ def _write_frames(run: Any, made: Path, name: str) -> list[tuple[float, int, str
 
 
 def times(run: Any) -> list[float]:
-    """The time of every frame: end-shortenings (D) if they grow, else the increments."""
-    delta = run.table["end_shortening"]
-    if np.all(np.diff(delta) > 0):
-        return [float(x) for x in delta]
-    return [float(i) for i in range(len(delta))]
+    """The time of every frame: what drives the push (end-shortening, D) if it grows, else increments."""
+    values = run.table[axis_of(run.scene).column]
+    if len(axes_of(run.scene)) == 1 and np.all(np.diff(values) > 0):
+        return [float(x) for x in values]
+    return [float(i) for i in range(len(values))]
 
 
 def rod_frame(run: Any, i: int) -> bytes:

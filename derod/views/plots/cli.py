@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from derod.cli.exits import DONE, UsageError
+from derod.cli.exits import DONE, UsageError, naming_options
 from derod.views.plots.kinds import KINDS, need_matplotlib, read_places
 
 
@@ -58,7 +58,8 @@ def run_plot(args: argparse.Namespace) -> int:
     if output is not None:
         check_target(Path(output), args.force, ENDINGS)
     places = read_places(args.at, "--at") if args.at.strip() else ()
-    with open_files(args.files) as files:
+    need_matplotlib()
+    with naming_options("at", "paths", "every", "style", "dpi"), open_files(args.files) as files:
         plot(
             args.kind,
             [*files.runs, *files.branches],
@@ -98,15 +99,14 @@ def add_movie_parser(commands: Any) -> None:
 
 def run_movie(args: argparse.Namespace) -> int:
     """Carry out ``derod movie``."""
+    from derod.cli import kinds
     from derod.record import open_run
-    from derod.views.stream.replay import is_branch_file
 
     need_matplotlib()
-    if is_branch_file(args.file):
-        raise UsageError(f"{args.file}: is a branch file; allowed: a run file (derod push)")
+    kinds.expect(args.file, kinds.RUNS)
     first = Path(args.file)
     output = args.output or str(first.with_name(f"{first.stem}-movie.gif"))
-    with open_run(args.file) as run:
+    with naming_options("frames", "rate", "width", "style"), open_run(args.file) as run:
         from derod.views.plots.movie import movie
 
         movie(

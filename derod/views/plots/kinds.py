@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from importlib.util import find_spec
 from typing import Any
 
 from derod.cli.exits import UsageError
+from derod.needs import need
+from derod.scene.axis import both
 from derod.scene.quantities import read_quantity
 
 
@@ -79,7 +80,7 @@ def read_places(at: Sequence[str | float] | str, key: str = "at") -> tuple[float
 
 def written(delta: float) -> str:
     """An end-shortening in both of its units."""
-    return f"{delta / math.pi:.6g} pi ({delta:.6g} D)"
+    return both(delta)
 
 
 def file_name(file: Any) -> str:
@@ -88,9 +89,8 @@ def file_name(file: Any) -> str:
 
 
 def need_matplotlib() -> None:
-    """Raise UsageError, naming the package, where matplotlib is not installed."""
-    if find_spec("matplotlib") is None:
-        raise UsageError("pictures need matplotlib, which is not installed: pip install matplotlib")
+    """Raise MissingError, naming the package, where matplotlib is not installed."""
+    need("matplotlib", "a picture")
 
 
 def check_files(kind: str, runs: Sequence[Any], branches: Sequence[Any], options: Options) -> None:

@@ -18,6 +18,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from derod.cli.exits import UsageError
+from derod.scene.axis import axes_of
 from derod.views.export.output import check_target, write_file
 from derod.views.plots.painter import paint_shape, turned
 from derod.views.plots.reading import Shape, run_shape, run_shape_at
@@ -68,10 +69,18 @@ def movie(
     write_file(path, make(list(pictures), rate), force)
 
 
+def _strides(run: Any) -> np.ndarray:
+    """How far each increment went (T-1,): of what drives the push; all alike where that changes."""
+    axes = axes_of(run.scene)
+    if len(axes) > 1:
+        return np.ones(len(run) - 1)
+    return np.asarray(np.abs(np.diff(run.table[axes[0].column])))
+
+
 def moments(run: Any, frames: int) -> np.ndarray:
     """Increments (frames,) to show: evenly along the way of the end, then the last one held."""
     moving = max(round(frames * (1 - HOLD)), 2)
-    way = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(run.table["end_shortening"])))])
+    way = np.concatenate([[0.0], np.cumsum(_strides(run))])
     path = [int(np.argmin(np.abs(way - x))) for x in np.linspace(0.0, way[-1], moving)]
     return np.array([*path, *[len(way) - 1] * max(frames - moving, 0)])
 

@@ -11,8 +11,9 @@ from typing import Any
 import numpy as np
 
 import derod
+from derod.cli import kinds
+from derod.scene.axis import END_SHORTENING, axes_of, axis_of
 from derod.views.plots.style import LABELS
-from derod.views.stream.replay import is_branch_file
 
 HARD_WALL = 2.0  # the plateau of the hard-wall limit is f_gamma - 2, K0/D^2
 
@@ -36,7 +37,8 @@ def open_files(paths: Iterable[str]) -> Files:
     """Open run and branch files, told apart by what they are. Raises derod.RecordError."""
     files = Files()
     for path in paths:
-        if is_branch_file(path):
+        kinds.expect(path, kinds.RESULTS)
+        if kinds.kind_of(path) is kinds.Kind.BRANCHES:
             files.branches.append(derod.open_branches(path))
         else:
             files.runs.append(derod.open_run(path))
@@ -164,11 +166,15 @@ def label(file: Any) -> str:
 
 
 def abscissa(run: Any) -> tuple[np.ndarray, str]:
-    """What a run is drawn against (T,), and its label: delta/pi, or increments where it turns back."""
-    delta = run.table["end_shortening"]
-    if np.all(np.diff(delta) >= 0) or np.all(np.diff(delta) <= 0):
-        return delta / np.pi, LABELS["delta"]
-    return np.arange(len(delta), dtype=float), LABELS["increment"]
+    """What a run is drawn against (T,), and its label: what drives it, or increments where it turns back."""
+    axis = axis_of(run.scene)
+    values = run.table[axis.column]
+    if len(axes_of(run.scene)) > 1:
+        return np.arange(len(values), dtype=float), "increment"
+    if np.all(np.diff(values) >= 0) or np.all(np.diff(values) <= 0):
+        label = LABELS["delta"] if axis is END_SHORTENING else f"{axis.name}   ({axis.unit})"
+        return values / np.pi if axis.in_pi else values, label
+    return np.arange(len(values), dtype=float), LABELS["increment"]
 
 
 def event_row(run: Any, event: Any) -> int:

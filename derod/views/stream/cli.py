@@ -54,10 +54,12 @@ def make_observers(args: argparse.Namespace, scene: Scene) -> list[Observer]:
             raise ViewError("--watch-relaxation needs --rerun WHERE")
         return []
     from derod.files.outputs import check_output
+    from derod.needs import check
     from derod.views.stream.observer import RelaxationWatch, RerunStream
     from derod.views.stream.target import parse_target
 
-    target = parse_target(args.rerun, force=args.force)
+    target = parse_target(args.rerun, force=args.force, option="--rerun")
+    check("rerun", "--rerun")
     if target.kind == "file":
         run = args.resume or args.output
         check_output(target.place, force=target.force, inputs=[args.scene], others=[run])
@@ -110,8 +112,12 @@ def add_view_parser(commands: Any) -> None:
 
 def run_view(args: argparse.Namespace) -> int:
     """Carry out ``derod view``."""
+    from derod.cli import kinds
+    from derod.needs import need
     from derod.views.stream.target import parse_target
 
+    kinds.expect(args.file, kinds.RESULTS)
+    need("rerun", "derod view")
     if args.web:
         target = parse_target("web")
     elif args.save is not None:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from derod.scene import Scene
-from derod.views.stream.geometry import tangents_with_clamps
+from derod.views.stream.geometry import tangents_with_clamps, unit
 
 VIRIDIS = [
     (96, 92, 172), (66, 110, 168), (43, 116, 142), (34, 141, 141), (33, 166, 133),
@@ -74,6 +74,13 @@ def curvature(positions: np.ndarray, arc_length: np.ndarray) -> np.ndarray:
     ends = np.zeros((*lengths.shape[:-1], 1))
     around = np.concatenate([ends, lengths, ends], axis=-1)
     return np.asarray(angle / (0.5 * (around[..., 1:] + around[..., :-1])))
+
+
+def curvature_vector(positions: np.ndarray, arc_length: np.ndarray) -> np.ndarray:
+    """The curvature binormal kappa b at the nodes, (..., N+1, 3), 1/D; its length is ``curvature``."""
+    tangents = tangents_with_clamps(positions)
+    across = np.cross(tangents[..., :-1, :], tangents[..., 1:, :])
+    return np.asarray(unit(across) * curvature(positions, arc_length)[..., None])
 
 
 def node_tension(edge_tension: np.ndarray) -> np.ndarray:

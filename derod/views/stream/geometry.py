@@ -75,25 +75,40 @@ class MaterialFrame(NamedTuple):
 def material_frame(
     positions: np.ndarray, arc_length: np.ndarray, twist: np.ndarray | float
 ) -> MaterialFrame:
-    """The material frame of an isotropic rod: Bishop's frame, turned by ``twist`` s about d3.
+    """The material frame at the nodes of an isotropic rod: e_x carried from the start clamp, turned by twist.
 
-    ``arc_length`` (..., N+1), D; ``twist`` (...) is u3 = (R - psi)/l, the same all along, rad/D.
+    ``arc_length`` (..., N+1), D; ``twist`` (...) is u3 = (R - psi)/l, the same all along, rad/D. The frame is
+    the clamp's own at the first node, and the end clamp's, turned by R about the axis, at the last: the
+    transport over the polygon of tangents misses (1/8) t_- . (t x t_+) at each edge
+    (``derod.rod.terms.twist``), which psi has, and which is given back here edge by edge.
     """
-    q = transports(positions)[..., :-1, :]
-    bishop = rotate(q, np.array([1.0, 0.0, 0.0]))
-    d3_edge = rotate(q, AXIS)
-    middle = 0.5 * (arc_length[..., 1:] + arc_length[..., :-1])
-    angle = (np.asarray(twist)[..., None] * middle)[..., None]
-    d1_edge = np.cos(angle) * bishop + np.sin(angle) * np.cross(d3_edge, bishop)
-    ends = np.broadcast_to(AXIS, (*d3_edge.shape[:-2], 1, 3))
-    d3 = unit(_at_nodes(np.concatenate([ends, d3_edge, ends], axis=-2)))
-    d1 = _at_nodes(np.concatenate([d1_edge[..., :1, :], d1_edge, d1_edge[..., -1:, :]], axis=-2))
-    d1 = unit(d1 - np.einsum("...i,...i->...", d1, d3)[..., None] * d3)
+    tangents = tangents_with_clamps(positions)
+    before, own, after = tangents[..., :-2, :], tangents[..., 1:-1, :], tangents[..., 2:, :]
+    corner = np.einsum("...i,...i->...", before, np.cross(own, after)) / 8
+    start = np.zeros((*corner.shape[:-1], 1))
+    missed = np.concatenate([start, np.cumsum(corner, axis=-1)], axis=-1)
+    d3 = node_tangents(positions, arc_length)
+    at_edges = rotate(transports(positions)[..., :-1, :], np.array([1.0, 0.0, 0.0]))
+    first = np.broadcast_to(np.array([1.0, 0.0, 0.0]), (*at_edges.shape[:-2], 1, 3))
+    bishop = np.concatenate([first, carried(at_edges, own, d3[..., 1:, :])], axis=-2)
+    angle = (np.asarray(twist)[..., None] * arc_length + missed)[..., None]
+    d1 = np.cos(angle) * bishop + np.sin(angle) * np.cross(d3, bishop)
     return MaterialFrame(d1, np.cross(d3, d1), d3)
 
 
-def _at_nodes(edges: np.ndarray) -> np.ndarray:
-    return 0.5 * (edges[..., 1:, :] + edges[..., :-1, :])
+def node_tangents(positions: np.ndarray, arc_length: np.ndarray) -> np.ndarray:
+    """Unit tangents at the nodes, (..., N+1, 3): between those of the two edges, e_z at the clamps."""
+    edges, lengths = edge_tangents(positions), np.diff(arc_length, axis=-1)[..., None]
+    inner = lengths[..., 1:, :] * edges[..., :-1, :] + lengths[..., :-1, :] * edges[..., 1:, :]
+    ends = np.broadcast_to(AXIS, (*edges.shape[:-2], 1, 3))
+    return np.concatenate([ends, unit(inner), ends], axis=-2)
+
+
+def carried(vectors: np.ndarray, a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Vectors (..., 3) across unit tangents a, turned by the least rotation that carries a to b."""
+    along = np.einsum("...i,...i->...", vectors, b)[..., None]
+    room = 1 + np.einsum("...i,...i->...", a, b)[..., None]
+    return np.asarray(vectors - along / np.maximum(room, 1e-12) * (a + b))
 
 
 def tube(

@@ -42,8 +42,10 @@ def proxy_url(host: str, port: int) -> str:
     return f"rerun+http://{host}:{port}/proxy"
 
 
-def parse_target(text: str, *, force: bool = False) -> Target:
+def parse_target(text: str, *, force: bool = False, option: str = "rerun") -> Target:
     """Read ``spawn``, ``connect[=URL]``, ``web`` or ``FILE.rrd``; ``force`` lets the file be replaced.
+
+    ``option`` is what messages call it.
 
     Raises TargetError.
     """
@@ -62,4 +64,4 @@ def parse_target(text: str, *, force: bool = False) -> Target:
         if not folder.is_dir():
             raise TargetError(f"{text}: no such folder; allowed: a file in an existing folder")
         return Target("file", text, force)
-    raise TargetError(f"rerun = {text!r}: nowhere to stream to; allowed: {ALLOWED}")
+    raise TargetError(f"{option} = {text!r}: nowhere to stream to; allowed: {ALLOWED}")
