@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 from importlib import import_module
 
 from derod.cli import exits
@@ -22,6 +23,8 @@ EXIT_CODES = {Outcome.COMPLETED: exits.DONE}
 def push(args: argparse.Namespace) -> int:
     """``derod push``."""
     scene = _scene_to_push(args)
+    if not args.quiet:
+        say_first(args, scene)
     watchers: list[Observer] = []
     for module in args.watchers:
         watchers += import_module(module).make_observers(args, scene)
@@ -31,16 +34,20 @@ def push(args: argparse.Namespace) -> int:
 
         observers.append(Progress())
     from derod.api import push as push_scene
+    from derod.cli.compiling import kernels_ready
 
-    with push_scene(
-        scene,
-        None if args.resume else args.output,
-        observers + watchers,
-        resume=args.resume,
-        overwrite=args.force,
-        extrapolate=args.extrapolate,
-        yes_really=args.yes_really,
-    ) as run:
+    with (
+        kernels_ready(scene, quiet=args.quiet),
+        push_scene(
+            scene,
+            None if args.resume else args.output,
+            observers + watchers,
+            resume=args.resume,
+            overwrite=args.force,
+            extrapolate=args.extrapolate,
+            yes_really=args.yes_really,
+        ) as run,
+    ):
         ending, count, extrapolated = run.ending, len(run), run.extrapolated is not None
     if ending is None:
         raise RecordError(f"{run.path}: the push left no word of how it ended")
@@ -58,6 +65,16 @@ def push(args: argparse.Namespace) -> int:
     elif not args.quiet:
         say_done(words)
     return code
+
+
+def say_first(args: argparse.Namespace, scene: Scene) -> None:
+    """Say what is begun, before anything that takes time."""
+    edges, place = scene.mesh.edges, "in space" if scene.model.dimension == 3 else "in the plane"
+    stop = scene.push.stop[-1] / math.pi
+    say(
+        f"{args.resume or args.scene}: {edges} edges {place}, {scene.relax.method}, to {stop:g} pi; "
+        "loading kernels"
+    )
 
 
 def check(args: argparse.Namespace) -> int:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import itertools
 import math
 import sys
-import time
 from collections.abc import Callable
 from typing import Any, TextIO
 
@@ -48,6 +47,13 @@ class Pace:
         return max(total - self._at[0], 0.0) * self._time / self._way
 
 
+def working_clock() -> float:
+    """Seconds without those of compilation."""
+    from derod.algebra import compiling  # imports numba: not before the first line is printed
+
+    return compiling.clock()
+
+
 class Progress:
     """Shows end-shortening, tension, unstable modes and the time left.
 
@@ -55,15 +61,15 @@ class Progress:
     """
 
     def __init__(
-        self, stream: TextIO | None = None, clock: Callable[[], float] = time.monotonic
+        self, stream: TextIO | None = None, clock: Callable[[], float] | None = None
     ) -> None:
         self._stream = sys.stderr if stream is None else stream
-        self._clock = clock
+        self._clock = working_clock if clock is None else clock
         self._pace = Pace()
         self._bar: Any = None
 
     def start(self, scene: Scene, first_increment: int) -> None:
-        """Show that the push begins; the first increment may wait for kernels to be compiled."""
+        """Show that the push begins."""
         self._scene = scene
         legs = len(scene.push.stop)
         self._total = way_covered(scene, legs - 1, scene.push.stop[-1])
@@ -76,7 +82,7 @@ class Progress:
                 total=self._total / math.pi,
                 file=self._stream,
                 bar_format="{percentage:3.0f}%|{bar:24}| {desc}",
-                desc="compiling or loading kernels (the first time: half a minute)",
+                desc="settling the first state",
                 leave=True,
             )
 
