@@ -17,6 +17,7 @@ class _Watch:
         self.depth = 0
         self.began = 0.0
         self.total = 0.0
+        self.taken = 0.0
         self.kernels = 0
         self.listeners: list[Listener] = []
         self.registered = False
@@ -39,6 +40,13 @@ def seconds() -> float:
     """Seconds that this process has spent on compiling, or on waiting for another one that compiles."""
     running = time.perf_counter() - _watch.began if _watch.depth else 0.0
     return _watch.total + running
+
+
+def take() -> float:
+    """The seconds since this was asked last: a push takes those spent for it, also before it began."""
+    now = seconds()
+    since, _watch.taken = now - _watch.taken, now
+    return since
 
 
 def kernels() -> int:

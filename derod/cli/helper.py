@@ -62,5 +62,6 @@ def _say(name: str, begins: bool) -> None:
 
 
 def _end_with_input() -> None:
-    sys.stdin.buffer.read()
+    while os.read(0, 1024):  # not sys.stdin: its lock would be held when the interpreter ends
+        pass
     os._exit(0)  # also while a kernel is compiled: it is of no use to anybody then

@@ -40,6 +40,8 @@ def summary_lines(run: BaseRun) -> Iterator[str]:
     yield from landing_lines(run.table)
     yield from event_lines(run)
     yield from range_lines(run.table, run.scene.mesh.edges)
+    if run.ending is not None and run.ending.compiling >= 0.5:
+        yield f"+ {run.ending.compiling:.0f} s compiling kernels, not counted in these"
     if run.extrapolated is not None:
         yield from error_lines(run.extrapolated)
 

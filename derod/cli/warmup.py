@@ -23,8 +23,8 @@ def add_warmup_parser(subparsers: Any) -> argparse.ArgumentParser:
         "warmup",
         help="compile kernels into the cache before they are needed",
         description=(
-            "Compile the kernels that pushes of the SCENEs need, folds and unstable states included, or without "
-            "SCENE those of all pushes and of branches, into the user's cache. What is there is left as it is."
+            "Compile the kernels that pushes of the SCENEs need, folds and unstable states included, or "
+            "without SCENE those of all pushes and of branches, into the user's cache."
         ),
         epilog=exits.MEANINGS,
     )

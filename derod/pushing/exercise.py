@@ -6,10 +6,14 @@ sizes or stiffnesses. So every scene has the kernels of a small, easy scene of i
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from derod.scene import Scene
 from derod.scene.reading import build_scene
+
+if TYPE_CHECKING:
+    from derod.push.driver import Push
+    from derod.rod.state import State
 
 EDGES = 16
 METHODS = ("implicit", "elliptic", "fire", "kinetic")
@@ -46,7 +50,7 @@ def small_scene(variant: Variant) -> Scene:
     """A small, easy scene of the variant's kind, relaxed implicitly."""
     tables: dict[str, dict[str, object]] = {
         "rod": {"length": 10.0, "bending": 1.0, "twisting": 0.9},
-        "push": {"start": "0.001 pi", "stop": "0.1 pi", "max_step": "0.02 pi"},
+        "push": {"start": "0.001 pi", "stop": "0.006 pi", "max_step": "0.02 pi"},
         "mesh": {"edges": EDGES},
         "model": {"dimension": variant.dimension, "drop": variant.drop},
         "noise": {"seed": 1},
@@ -57,40 +61,49 @@ def small_scene(variant: Variant) -> Scene:
 
 
 def first_increments(variant: Variant) -> None:
-    """Settle the first state and two increments; take a batch of the method's steps."""
-    from derod.push.driver import Push
-
-    push = Push(small_scene(variant), [])
-    push.begin()
-    for _ in range(2):
-        push.advance(push.scene.push.stop[-1])
+    """Settle the first state and some increments; take a batch of the method's steps."""
+    push = first_push(variant)
+    push.run()
     take_steps(push, variant.method, descend=False)
 
 
 def instabilities(variant: Variant) -> None:
     """Go down from a disturbed state, and leave a state by a kick, as at folds and unstable states."""
     from derod.push.descent import disturbed
-    from derod.push.driver import Push
     from derod.push.kicks import kick
 
-    push = Push(small_scene(variant), [])
-    push.begin()
-    push.advance(push.scene.push.stop[-1])
-    descender = push.descender()
-    start = disturbed(push.state, descender.noise)
-    kick(push.system, push.state.copy(), 1e-3, descender.noise.start(0, push.state.q.shape))
+    push = first_push(variant)
+    push.run()
+    state = settled(push)
+    descender = push.increments.descender()
+    start = disturbed(state, descender.noise)
+    kick(push.system, state.copy(), 1e-3, descender.noise.start(0, state.q.shape))
     descender.descend(start)
     take_steps(push, variant.method, descend=True)
 
 
-def take_steps(push: object, method: str, *, descend: bool) -> None:
-    """Take one batch of a method's steps from a push's state."""
-    from derod.equilibrium import make_relaxer
-    from derod.push.driver import Push
+def first_push(variant: Variant) -> Push:
+    """A small push that has begun."""
+    from derod.push.driver import Push  # imports the kernels
 
-    assert isinstance(push, Push)
+    push = Push(small_scene(variant), [])
+    push.begin()
+    return push
+
+
+def settled(push: Push) -> State:
+    """The state that a push has reached."""
+    assert push.here is not None
+    return push.here.state
+
+
+def take_steps(push: Push, method: str, *, descend: bool) -> None:
+    """Take one batch of a method's steps from a push's state."""
+    from derod.equilibrium.methods import make_relaxer
+
     relaxer = make_relaxer(method)
-    state = push.state.copy()
     tolerance = max(push.system.tolerance, relaxer.finest)
-    relaxer.begin(push.system, state, tolerance, descend=descend, kick=push.scene.noise.amplitude)
+    amplitude = push.scene.noise.amplitude
+    state = settled(push).copy()
+    relaxer.begin(push.system, state, tolerance, descend=descend, kick=amplitude)
     relaxer.advance()
