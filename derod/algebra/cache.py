@@ -55,12 +55,14 @@ def _prepare_numba(folder: Path | None) -> None:
     from derod.algebra.claims import claim_kernels
     from derod.algebra.compiling import watch_numba
     from derod.algebra.inlining import copy_names_once
+    from derod.algebra.linking import link_long_callees_last
     from derod.algebra.mending import mend_caches
 
     mend_caches(folder)
     claim_kernels()
     watch_numba()
     copy_names_once()
+    link_long_callees_last()
 
 
 def source_hash(package: Path) -> str:

@@ -21,6 +21,7 @@ class _Watch:
         self.kernels = 0
         self.listeners: list[Listener] = []
         self.registered = False
+        self.ours: list[bool] = []
 
     def enter(self) -> None:
         if self.depth == 0:
@@ -89,12 +90,14 @@ def watch_numba() -> None:
     class Compilation(event.Listener):
         def on_start(self, event: Any) -> None:
             _watch.enter()
+            _watch.ours.append(is_ours(event.data["dispatcher"]))
             self._tell(event, True)
 
         def on_end(self, event: Any) -> None:
             if is_ours(event.data["dispatcher"]):
                 _watch.kernels += 1
             self._tell(event, False)
+            _watch.ours.pop()
             _watch.leave()
 
         def _tell(self, event: Any, begins: bool) -> None:
@@ -105,6 +108,11 @@ def watch_numba() -> None:
 
     event.register("numba:compile", Compilation())
     _watch.registered = True
+
+
+def is_at_ours() -> bool:
+    """Whether a kernel of ours is compiled just now, and what it calls."""
+    return bool(_watch.ours) and _watch.ours[0]
 
 
 def is_ours(dispatcher: Any) -> bool:
