@@ -39,12 +39,12 @@ def outer(x):
 PUSH = """
 import sys
 import numpy as np
-import derod
 from derod.algebra import linking
+from derod.api import push
 if sys.argv[1] == "as numba does":
     linking.LONG = 10**12
 from derod.push.exercise import VARIANTS, small_scene
-run = derod.push(small_scene(VARIANTS[0]).replace({"push.stop": "0.3 pi", "mesh.edges": 40}))
+run = push(small_scene(VARIANTS[0]).replace({"push.stop": "0.3 pi", "mesh.edges": 40}))
 np.save(sys.argv[2], run.table)
 """
 

@@ -23,12 +23,13 @@ PUSH = """
 import json, sys
 import derod
 from derod.algebra import compiling
+from derod.api import push
 from derod.push.exercise import Variant, small_scene
 dimension, drop, method, stop, output = json.loads(sys.argv[1])
 scene = small_scene(Variant(dimension, drop, method)).replace(
     {"relax.method": method, "push.stop": stop, "mesh.edges": 30}
 )
-run = derod.push(scene, output)
+run = push(scene, output)
 print(json.dumps([compiling.kernels(), compiling.seconds(), derod.__file__, str(run.outcome)]))
 """
 BRANCHES = """
@@ -52,8 +53,8 @@ CASES = [
 
 
 @pytest.fixture(scope="session")
-def dist(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The folder of a wheel with kernels; $DEROD_TEST_WHEEL names one that is made already."""
+def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A wheel with kernels; $DEROD_TEST_WHEEL names one that is made already."""
     made = os.environ.get("DEROD_TEST_WHEEL")
     if made:
         return Path(made)
@@ -61,16 +62,16 @@ def dist(tmp_path_factory: pytest.TempPathFactory) -> Path:
     subprocess.run(
         [sys.executable, str(ROOT / "runs" / "build_wheel.py"), "-o", str(folder)], check=True
     )
-    (wheel,) = folder.glob("*.whl")
-    return wheel
+    (path,) = folder.glob("*.whl")
+    return path
 
 
 @pytest.fixture(scope="session")
-def installed(dist: Path, tmp_path_factory: pytest.TempPathFactory) -> str:
+def installed(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> str:
     """The Python of an environment with the wheel."""
     from runs.cold_start import install
 
-    return install(dist, tmp_path_factory.mktemp("installed") / "venv")
+    return install(wheel, tmp_path_factory.mktemp("installed") / "venv")
 
 
 @pytest.fixture
@@ -139,9 +140,6 @@ def test_nor_for_branches(installed: str, cache: Path) -> None:
     assert not kept_kernels(cache)
 
 
-SHORT = json.dumps([3, True, "implicit", "0.002 pi", ""])
-
-
 def compiled(installed: str, home: Path, **more: str) -> int:
     """How many kernels the first increments compile; only a few are asked for, to be quick."""
     code = (
@@ -175,10 +173,10 @@ def test_a_users_own_cache_folder_is_left_alone(
 
 
 @pytest.mark.parametrize("damage", ["data", "index", "manifest", "source", "writable"])
-def test_damage_is_compiled_away(dist: Path, cache: Path, tmp_path: Path, damage: str) -> None:
+def test_damage_is_compiled_away(wheel: Path, cache: Path, tmp_path: Path, damage: str) -> None:
     from runs.cold_start import install
 
-    python = install(dist, tmp_path / "venv")
+    python = install(wheel, tmp_path / "venv")
     (package,) = (tmp_path / "venv").glob("lib/python*/site-packages/derod")
     folder = package / "compiled"
     (lay_grid,) = folder.rglob("grid.lay_grid*.nbi")
