@@ -16,7 +16,7 @@ import pytest
 from derod.algebra import compiling
 from derod.cli import compiling as ready
 from derod.cli.compiling import Helper, Words, compile_all, start_helper
-from derod.push.exercise import VARIANTS, small_scene, variant_of
+from derod.pushing.exercise import VARIANTS, small_scene, variant_of
 from tests.test_progress import Terminal
 
 ROOT = Path(__file__).parents[1]

@@ -24,7 +24,7 @@ from derod.errors import printable
 
 if TYPE_CHECKING:
     from derod.algebra.survey import Wanted
-    from derod.push.exercise import Variant
+    from derod.pushing.exercise import Variant
     from derod.scene import Scene
 
 LINE_EVERY = 2.0  # s, off a terminal
@@ -158,7 +158,7 @@ def cores() -> int:
 @contextlib.contextmanager
 def kernels_ready(scene: Scene, *, quiet: bool = False) -> Iterator[None]:
     """Have the kernels of the scene's first increments compiled; what is inside finds them in the cache."""
-    from derod.push.exercise import variant_of
+    from derod.pushing.exercise import variant_of
 
     variant = variant_of(scene)
     words = Words(0)
@@ -190,7 +190,7 @@ def kernels_ready(scene: Scene, *, quiet: bool = False) -> Iterator[None]:
 def missing_first(variant: Variant) -> list[Wanted]:
     """The kernels of a variant's first increments that have to be compiled."""
     from derod.algebra.survey import survey
-    from derod.push.exercise import first_increments
+    from derod.pushing.exercise import first_increments
 
     return [one for one in survey(lambda: first_increments(variant)) if not one.is_kept()]
 

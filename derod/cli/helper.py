@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from derod.algebra.survey import Wanted
-    from derod.push.exercise import Variant
+    from derod.pushing.exercise import Variant
 
 MORE_PATIENCE = 300_000  # calls without news in a survey of descents: modes are found by iteration
 
@@ -46,7 +46,7 @@ def main() -> None:
     compiling.listen(_say)
     compile_all(Wanted(_kernel(module, name), types) for module, name, types in named)
     print("first", flush=True)
-    from derod.push.exercise import Variant, instabilities
+    from derod.pushing.exercise import Variant, instabilities
 
     for fields in later:
         variant = Variant(*fields)

@@ -14,7 +14,7 @@ from derod.cli.terminal import say, show
 
 if TYPE_CHECKING:
     from derod.algebra.survey import Wanted
-    from derod.push.exercise import Variant
+    from derod.pushing.exercise import Variant
 
 
 def add_warmup_parser(subparsers: Any) -> argparse.ArgumentParser:
@@ -65,7 +65,7 @@ def asked_for(scenes: Iterable[str]) -> list[Variant]:
     from derod.scene import load_scene
 
     loaded = [load_scene(path) for path in scenes]
-    from derod.push.exercise import VARIANTS, variant_of
+    from derod.pushing.exercise import VARIANTS, variant_of
 
     return list(dict.fromkeys(map(variant_of, loaded))) or list(VARIANTS)
 
@@ -74,7 +74,7 @@ def kernels_of(variants: Iterable[Variant]) -> list[Wanted]:
     """All kernels that pushes of the variants call, each once."""
     from derod.algebra.survey import survey
     from derod.cli.helper import MORE_PATIENCE
-    from derod.push.exercise import first_increments, instabilities
+    from derod.pushing.exercise import first_increments, instabilities
 
     found: dict[Any, Wanted] = {}
     for variant in variants:

@@ -12,7 +12,7 @@ from derod.scene import Scene
 from derod.scene.reading import build_scene
 
 if TYPE_CHECKING:
-    from derod.push.driver import Push
+    from derod.pushing.driver import Push
     from derod.rod.state import State
 
 EDGES = 16
@@ -69,8 +69,8 @@ def first_increments(variant: Variant) -> None:
 
 def instabilities(variant: Variant) -> None:
     """Go down from a disturbed state, and leave a state by a kick, as at folds and unstable states."""
-    from derod.push.descent import disturbed
-    from derod.push.kicks import kick
+    from derod.pushing.descent import disturbed
+    from derod.pushing.kicks import kick
 
     push = first_push(variant)
     push.run()
@@ -84,7 +84,7 @@ def instabilities(variant: Variant) -> None:
 
 def first_push(variant: Variant) -> Push:
     """A small push that has begun."""
-    from derod.push.driver import Push  # imports the kernels
+    from derod.pushing.driver import Push  # imports the kernels
 
     push = Push(small_scene(variant), [])
     push.begin()

@@ -17,7 +17,7 @@ mended = inline_closurecall.copy is not copy
 if sys.argv[1] == "as numba does":
     inline_closurecall.copy = copy
 from derod.algebra.survey import survey
-from derod.push.exercise import VARIANTS, first_increments
+from derod.pushing.exercise import VARIANTS, first_increments
 names = sys.argv[2:]
 wanted = {one.name: one for one in survey(lambda: first_increments(VARIANTS[0]))}
 print(mended)

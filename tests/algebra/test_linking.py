@@ -43,7 +43,7 @@ from derod.algebra import linking
 from derod.api import push
 if sys.argv[1] == "as numba does":
     linking.LONG = 10**12
-from derod.push.exercise import VARIANTS, small_scene
+from derod.pushing.exercise import VARIANTS, small_scene
 run = push(small_scene(VARIANTS[0]).replace({"push.stop": "0.3 pi", "mesh.edges": 40}))
 np.save(sys.argv[2], run.table)
 """

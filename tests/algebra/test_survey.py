@@ -9,7 +9,7 @@ from numba import njit
 
 from derod.algebra.compiling import is_ours
 from derod.algebra.survey import survey
-from derod.push.exercise import VARIANTS, Variant, first_increments, instabilities
+from derod.pushing.exercise import VARIANTS, Variant, first_increments, instabilities
 
 PATIENCE = 300_000
 

@@ -24,7 +24,7 @@ import json, sys
 import derod
 from derod.algebra import compiling
 from derod.api import push
-from derod.push.exercise import Variant, small_scene
+from derod.pushing.exercise import Variant, small_scene
 dimension, drop, method, stop, output = json.loads(sys.argv[1])
 scene = small_scene(Variant(dimension, drop, method)).replace(
     {"relax.method": method, "push.stop": stop, "mesh.edges": 30}
@@ -145,7 +145,7 @@ def compiled(installed: str, home: Path, **more: str) -> int:
     code = (
         "import json\nimport derod.algebra\nfrom derod.algebra import compiling\n"
         "from derod.algebra.survey import survey\n"
-        "from derod.push.exercise import VARIANTS, first_increments\n"
+        "from derod.pushing.exercise import VARIANTS, first_increments\n"
         "for one in survey(lambda: first_increments(VARIANTS[0])):\n"
         "    if one.name in ('lay_grid', 'excess', 'wall_gap'):\n        one.compile()\n"
         "print(json.dumps([compiling.kernels()]))"
