@@ -56,7 +56,7 @@ def test_events_are_told() -> None:
 
 def test_a_bar_on_a_terminal() -> None:
     text = shown(Terminal(), 0.5)
-    assert "compiling or loading kernels" in text
+    assert "settling the first state" in text
     last = text.split("\r")[-1]
     assert "100%|" in last and "1.257 D (0.4 pi) of 1.257 D (0.4 pi)" in last and "0 s left" in last
     assert text.endswith("\n")

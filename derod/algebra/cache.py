@@ -22,6 +22,7 @@ import stat
 import sys
 import tempfile
 from collections.abc import Iterator
+from functools import cache
 from importlib import metadata
 from pathlib import Path
 
@@ -32,30 +33,52 @@ PACKAGE = Path(__file__).parents[1]
 USES_JIT = re.compile(rb"^from (?:numba|derod\.algebra\.jit) import|^import numba", re.MULTILINE)
 NO_KERNELS = ("scene",)
 IMPORTS = re.compile(rb"^from (derod[\w.]*) import (\([^)]*\)|.*)", re.MULTILINE)
+_temporary: set[str] = set()
 
 
 def point_numba_at_own_cache() -> None:
     """Set numba's cache folder for this state of the sources, unless the user has set one."""
     chosen = os.environ.get(VARIABLE)
     if chosen is not None and chosen != os.environ.get(OURS):
+        _prepare_numba(None)
         return
     folder = _made_folder(f"numba-{source_hash(PACKAGE)}")
     if str(folder) != chosen:
         os.environ[VARIABLE] = os.environ[OURS] = str(folder)
     if "numba" in sys.modules:
         sys.modules["numba"].config.CACHE_DIR = str(folder)
+    _prepare_numba(folder)
+
+
+def _prepare_numba(folder: Path | None) -> None:
+    """Import numba, and have it work as we need it; ``folder`` is the cache if we chose it."""
+    from derod.algebra.claims import claim_kernels
+    from derod.algebra.compiling import watch_numba
+    from derod.algebra.inlining import copy_names_once
+    from derod.algebra.linking import link_long_callees_last
     from derod.algebra.mending import mend_caches
 
     mend_caches(folder)
+    claim_kernels()
+    watch_numba()
+    copy_names_once()
+    link_long_callees_last()
 
 
 def source_hash(package: Path) -> str:
     """Hash of all sources that kernels are made of, and of the versions that compile them."""
-    digest = hashlib.sha256(f"{metadata.version('numba')} {platform.python_version()}".encode())
+    made_of = f"{metadata.version('numba')} {platform.python_version()} {sources_digest(package)}"
+    return hashlib.sha256(made_of.encode()).hexdigest()[:16]
+
+
+@cache
+def sources_digest(package: Path) -> str:
+    """Hash of all sources that kernels are made of."""
+    digest = hashlib.sha256()
     for path, text in sorted(kernel_sources(package).items()):
-        digest.update(f"\0{path.relative_to(package)}\0{len(text)}\0".encode())
+        digest.update(f"\0{path.relative_to(package).as_posix()}\0{len(text)}\0".encode())
         digest.update(text)
-    return digest.hexdigest()[:16]
+    return digest.hexdigest()
 
 
 def kernel_sources(package: Path) -> dict[Path, bytes]:
@@ -93,8 +116,14 @@ def _made_folder(name: str) -> Path:
         except OSError:  # read-only, or no folder: the next one
             continue
     fresh = Path(tempfile.mkdtemp(prefix="derod-"))  # mode 0700, a name nobody could know
+    _temporary.add(str(fresh))
     atexit.register(shutil.rmtree, fresh, ignore_errors=True)
     return fresh
+
+
+def is_temporary(folder: str) -> bool:
+    """Whether a cache folder is removed at the end of this process."""
+    return folder in _temporary
 
 
 def _homes() -> Iterator[Path]:

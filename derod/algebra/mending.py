@@ -13,19 +13,27 @@ import os
 from pathlib import Path
 from typing import Any
 
+from derod.algebra import shipped
+
 MARK = b"derod-check:"
 SIZE = 16
 _folders: set[str] = set()
 
 
-def mend_caches(folder: Path) -> None:
-    """Mend the caches in ``folder`` from now on; imports numba."""
+def mend_caches(folder: Path | None) -> None:
+    """Mend the caches in ``folder`` from now on, and look for kernels in the package; imports numba."""
     from numba.core import caching
 
-    _folders.add(str(folder))
+    if folder is not None:
+        _folders.add(str(folder))
     if not issubclass(caching.IndexDataCacheFile, _Mending):
         mending = type("MendingCacheFile", (_Mending, caching.IndexDataCacheFile), {})
         setattr(caching, "IndexDataCacheFile", mending)  # noqa: B010  a type, to mypy
+
+
+def is_in_our_cache(path: str) -> bool:
+    """Whether a folder of numba's lies in a cache folder of ours."""
+    return any(path.startswith(folder) for folder in _folders)
 
 
 def check(data: bytes) -> bytes:
@@ -53,7 +61,17 @@ class _Mending:
     _index_path: str
 
     def _ours(self) -> bool:
-        return any(self._cache_path.startswith(folder) for folder in _folders)
+        return is_in_our_cache(self._cache_path)
+
+    def load(self, key: Any) -> Any:
+        """Load a kernel from the user's cache, or else from the package."""
+        data = super().load(key)  # type: ignore[misc]
+        if data is None:
+            with contextlib.suppress(Exception):  # of pickle, as above; then it is compiled
+                name = self._index_name  # type: ignore[attr-defined]
+                stamp = self._source_stamp  # type: ignore[attr-defined]
+                data = shipped.load(self._cache_path, name, stamp, key)
+        return data
 
     def _load_index(self) -> Any:
         if not self._ours():

@@ -31,6 +31,7 @@ COMMANDS: tuple[str, ...] = (
     "derod.views.plots.cli:add_movie_parser",
     "derod.views.export.cli:add_export_parser",
     "derod.cli.completion:add_completion_parser",
+    "derod.cli.warmup:add_warmup_parser",
 )
 """More commands, as "module:function"; the function is given the sub-parsers to add itself to."""
 

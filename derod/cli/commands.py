@@ -17,9 +17,10 @@ from derod.files.outputs import check_output
 from derod.pushing import interrupts
 from derod.pushing.frames import Observer, Outcome
 from derod.scene import Scene
-from derod.scene.axis import Axis, axis_of
+from derod.scene.axis import AXES, Axis, axis_of
 from derod.scene.checking import check_lines, pushable_words
 from derod.scene.plan import check_plan, planned
+from derod.scene.program import legs
 
 OPTIONS = {"relax.method": "--method", "mesh.edges": "--edges", "push.stop": "--stop"}
 """The keys of a scene that the command line changes, and what changes them."""
@@ -31,6 +32,8 @@ EXIT_CODES = {Outcome.COMPLETED: exits.DONE}
 def push(args: argparse.Namespace) -> int:
     """``derod push``."""
     scene = _scene_to_push(args)
+    if not args.quiet:
+        say_first(args, scene)
     watchers: list[Observer] = []
     for module in args.watchers:
         watchers += import_module(module).make_observers(args, scene)
@@ -40,10 +43,12 @@ def push(args: argparse.Namespace) -> int:
 
         observers.append(Progress())
     from derod.api import push as push_scene
+    from derod.cli.compiling import kernels_ready
     from derod.record.ending import ending_words
 
     with (
         blaming_the_command_line(changed(args), scene),
+        kernels_ready(scene, quiet=args.quiet),
         push_scene(
             scene,
             None if args.resume else args.output,
@@ -71,6 +76,18 @@ def push(args: argparse.Namespace) -> int:
         file = shlex.quote(str(run.path))
         say_done(f"next: derod info {file}, derod plot {file}, derod view {file}")
     return code
+
+
+def say_first(args: argparse.Namespace, scene: Scene) -> None:
+    """Say what is begun, before anything that takes time."""
+    edges, place = scene.mesh.edges, "in space" if scene.model.dimension == 3 else "in the plane"
+    last = legs(scene)[-1]
+    goal = AXES[last.control].both(last.stop)
+    words = "" if last.control == "end_shortening" else f"{AXES[last.control].name} "
+    say(
+        f"{args.resume or args.scene}: {edges} edges {place}, {scene.relax.method}, to {words}{goal}; "
+        "loading kernels"
+    )
 
 
 def check(args: argparse.Namespace) -> int:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import sys
-import time
 from collections.abc import Callable
 from typing import Any, TextIO
 
@@ -68,6 +67,13 @@ class Pace:
         return max(total - self._at[0], 0.0) * self._time / self._way
 
 
+def working_clock() -> float:
+    """Seconds without those of compilation."""
+    from derod.algebra import compiling  # imports numba: not before the first line is printed
+
+    return compiling.clock()
+
+
 class Progress:
     """Shows end-shortening, tension, unstable modes and the time left.
 
@@ -78,18 +84,18 @@ class Progress:
     def __init__(
         self,
         stream: TextIO | None = None,
-        clock: Callable[[], float] = time.monotonic,
+        clock: Callable[[], float] | None = None,
         *,
         everywhere: bool = False,
     ) -> None:
         self._stream = sys.stderr if stream is None else stream
         self._everywhere = everywhere
-        self._clock = clock
+        self._clock = working_clock if clock is None else clock
         self._pace = Pace()
         self._bar: Any = None
 
     def start(self, scene: Scene, first_increment: int) -> None:
-        """Show that the push begins; the first increment may wait for kernels to be compiled."""
+        """Show that the push begins."""
         self._scene = scene
         self._way = Way(scene)
         self._began = self._clock()
@@ -104,7 +110,7 @@ class Progress:
                 total=self._way.total,
                 file=self._stream,
                 bar_format="{percentage:3.0f}%|{bar:16}| {desc}",
-                desc="compiling or loading kernels (the first time: half a minute)",
+                desc="settling the first state",
                 leave=True,
             )
 

@@ -49,6 +49,8 @@ def summary_lines(run: BaseRun) -> Iterator[str]:
     yield from event_lines(run)
     yield from range_lines(run)
     yield from residual_lines(run)
+    if run.ending is not None and run.ending.compiling >= 0.5:
+        yield f"+ {run.ending.compiling:.0f} s compiling kernels, not counted in these"
     if run.extrapolated is not None:
         yield from error_lines(run)
 

@@ -9,10 +9,12 @@ follows the same numbers as one that was never stopped.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from derod.algebra import compiling
 from derod.equilibrium.measured import Measured
 from derod.equilibrium.methods import make_relaxer
 from derod.equilibrium.system import System
@@ -265,6 +267,7 @@ def drive(scene: Scene, observers: Sequence[Observer], resume: Run | None = None
         ending = Ending(Outcome.INTERRUPTED, f"{interrupts.words()} {said}", place)
     except RecordError as error:
         ending = Ending(Outcome.RECORD_FAILED, str(error), where(push))
+    ending = replace(ending, compiling=compiling.take())
     for observer in observers:
         observer.finish(ending)
     return ending

@@ -8,7 +8,7 @@ Lengths are in D, forces in K0/D^2, energies in K0/D, angles in radians, times i
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
@@ -71,6 +71,8 @@ class Ending:
     outcome: Outcome
     message: str
     end_shortening: float
+    compiling: float = field(default=0.0, compare=False)
+    """Seconds spent on compiling kernels for it, which no ``wall_time`` counts."""
 
 
 class Observer(Protocol):

@@ -151,6 +151,7 @@ class GrowingFile:
             layout.encoded(ending.outcome, layout.KIND_BYTES),
             layout.encoded(ending.message, layout.MESSAGE_BYTES),
             ending.end_shortening,
+            ending.compiling,
         )
         self._ending.flush()
 
@@ -236,7 +237,7 @@ class GrowingFile:
             file[f"{name}/time"] = self._time.dataset
         self._events = Column(file, layout.EVENTS, layout.STORED_EVENT, per_chunk=16)
         self._ending = file.create_dataset(
-            layout.ENDING, data=np.array([stored_ending(b"", b"", 0.0)])
+            layout.ENDING, data=np.array([stored_ending(b"", b"", 0.0, 0.0)])
         )
         self._slots = [committed_digest(0, 0)] * 2
         self._committed_check = Cell(file, layout.COMMITTED_CHECK, "u8", self._slots)
@@ -247,9 +248,11 @@ class GrowingFile:
         file.attrs[layout.CHECK] = np.uint64(head_digest(text, heads))
 
 
-def stored_ending(outcome: bytes, message: bytes, end_shortening: float) -> np.void:
+def stored_ending(
+    outcome: bytes, message: bytes, end_shortening: float, compiling: float
+) -> np.void:
     """The record of an ending, with its check."""
-    record = layout.record(layout.STORED_ENDING, (outcome, message, end_shortening, 0))
+    record = layout.record(layout.STORED_ENDING, (outcome, message, end_shortening, compiling, 0))
     record[layout.CHECK] = record_digest(b"ending", 0, record)
     return record
 

@@ -123,8 +123,8 @@ class Head:
 
     def _read_ending(self) -> Ending | None:
         ending = self._dataset(layout.ENDING)
-        wanted = layout.STORED_ENDING if self.checksummed else layout.ENDING_TYPE
-        if ending.shape != (1,) or ending.dtype != wanted:
+        allowed = layout.ENDING_TYPES[self.checksummed]
+        if ending.shape != (1,) or ending.dtype not in allowed:
             raise checks.DamageError("its ending is of another kind")
         stored = self._now(layout.ENDING)[0]
         if self.checksummed and int(stored[layout.CHECK]) != record_digest(b"ending", 0, stored):
@@ -135,7 +135,9 @@ class Head:
         if outcome not in set(Outcome):
             raise checks.DamageError(f"it ended in an unknown way, {outcome!r}")
         message = layout.decoded(bytes(stored["message"]))
-        return Ending(Outcome(outcome), message, float(stored["end_shortening"]))
+        known = "compiling" in (stored.dtype.names or ())
+        compiling = float(stored["compiling"]) if known else 0.0
+        return Ending(Outcome(outcome), message, float(stored["end_shortening"]), compiling)
 
 
 def confirmed(frames: int, events: int, slots: set[int]) -> tuple[int, int]:

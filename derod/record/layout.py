@@ -110,13 +110,15 @@ EVENT_TYPE = np.dtype(
 )
 OLDER_EVENT_TYPE = np.dtype(EVENT_TYPE.descr[:-1])
 """Of runs that only the end-shortening pushed: that was the control's value."""
-ENDING_TYPE = np.dtype(
+SHORT_ENDING_TYPE = np.dtype(
     [
         ("outcome", f"S{KIND_BYTES}"),
         ("message", f"S{MESSAGE_BYTES}"),
         ("end_shortening", "f8"),
     ]
 )
+"""Of files that do not say how long was compiled."""
+ENDING_TYPE = np.dtype([*SHORT_ENDING_TYPE.descr, ("compiling", "f8")])
 
 
 def with_check(dtype: np.dtype) -> np.dtype:
@@ -148,6 +150,13 @@ EVENT_TYPES = {
     False: (OLDER_EVENT_TYPE,),
 }
 """What events may be stored as, with checksums and without."""
+
+
+ENDING_TYPES = {
+    True: (STORED_ENDING, with_check(SHORT_ENDING_TYPE)),
+    False: (ENDING_TYPE, SHORT_ENDING_TYPE),
+}
+"""Types that an ending may have, with its check and without."""
 
 
 def record(dtype: np.dtype, values: tuple[object, ...]) -> np.void:

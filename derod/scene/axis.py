@@ -33,8 +33,19 @@ class Axis(NamedTuple):
 
 
 END_SHORTENING = Axis("end_shortening", "delta", "end-shortening", "D", in_pi=True)
-AXES = {
-    axis.column: axis
+
+
+class Axes(dict[str, Axis]):
+    """Axes by the control's name; a control that names no unit of its own is a plain number."""
+
+    def __missing__(self, control: str) -> Axis:
+        from derod.scene.controls import HELD
+
+        return Axis(control, control, HELD[control].words, "")
+
+
+AXES = Axes(
+    (axis.column, axis)
     for axis in (
         END_SHORTENING,
         Axis("end_tension", "t", "end tension", "K0/D^2"),
@@ -43,7 +54,7 @@ AXES = {
         Axis("wall_strength", "v0", "wall strength", "K0/D^2"),
         Axis("weight", "W", "weight", "K0/D^2"),
     )
-}
+)
 """By the control's name (``derod.scene.controls``)."""
 
 

@@ -9,7 +9,6 @@ from pathlib import Path
 
 from derod.pushing.frames import Outcome
 from derod.record import open_run
-from tests.validation.faults.kills import is_new
 from tests.validation.faults.rivals import long_scene, rows
 from tests.validation.faults.trial import Found, ended, start, wait_until
 
@@ -67,7 +66,7 @@ def _send(
     if phase == "start-up":
         time.sleep(chance.uniform(BEGUN, 1.5))
     elif phase == "compilation":
-        wait_until(lambda: is_new(path, None) or process.poll() is not None, 30.0)
+        wait_until(lambda: any(cache.rglob("*.claim")) or process.poll() is not None, 30.0)
         time.sleep(chance.uniform(0.2, 8.0))
     else:
         wait_until(lambda: rows(path) > 2 or process.poll() is not None, 60.0)
