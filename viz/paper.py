@@ -31,9 +31,9 @@ from tqdm import tqdm
 import derod
 from derod.branches.files.compare import compare
 from derod.cli import carry_out
-from derod.cli.terminal import say
 from derod.files.outputs import replacing
 from derod.pushing.frames import Outcome
+from derod.terminal import say
 from derod.views.plots.reading import branch_shape
 from derod.views.stream.replay import is_branch_file
 

@@ -13,8 +13,8 @@ import time
 from pathlib import Path
 
 from derod.cli import carry_out
-from derod.cli.terminal import say_done
 from derod.files.outputs import check_output, replacing
+from derod.terminal import say_done
 from derod.views.stream.replay import replay_file
 from derod.views.stream.target import parse_target
 from derod.views.stream.viewers import VIEWER_MEMORY, close_recording, free_port, program

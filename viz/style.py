@@ -14,8 +14,8 @@ import matplotlib.pyplot as plt
 from matplotlib.figure import Figure
 
 from derod.cli import carry_out
-from derod.cli.terminal import say_done
 from derod.files.outputs import check_output, replacing
+from derod.terminal import say_done
 from derod.views.plots.style import LABELS, THEMES, Theme, look, path_color
 
 __all__ = ["LABELS", "THEMES", "Theme", "add_output", "new_figure", "path_color", "save", "use"]

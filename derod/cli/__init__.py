@@ -12,10 +12,9 @@ from collections.abc import Callable, Sequence
 from importlib import import_module
 from typing import Any, NoReturn
 
-from derod import __version__
-from derod.cli import terminal
-from derod.cli.exits import BAD_INPUT, DONE, MEANINGS, NOT_REACHED, NOT_SHOWN
+from derod import __version__, terminal
 from derod.errors import DerodError, RecordError, printable
+from derod.exits import BAD_INPUT, DONE, MEANINGS, NOT_REACHED, NOT_SHOWN
 from derod.files.outputs import RefusedError
 from derod.pushing import interrupts
 

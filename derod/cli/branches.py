@@ -10,9 +10,9 @@ import argparse
 import shlex
 from typing import Any
 
-from derod import scenes
-from derod.cli import exits, kinds
-from derod.cli.terminal import say_done
+from derod import exits, scenes
+from derod.cli import kinds
+from derod.terminal import say_done
 
 
 def add_branch_parser(commands: Any) -> None:

@@ -9,9 +9,8 @@ from contextlib import contextmanager
 from importlib import import_module
 from typing import Any
 
-from derod import scenes
-from derod.cli import exits, kinds
-from derod.cli.terminal import say, say_done, show
+from derod import exits, scenes
+from derod.cli import kinds
 from derod.errors import RecordError, SceneError, shown
 from derod.files.outputs import check_output
 from derod.pushing import interrupts
@@ -21,6 +20,7 @@ from derod.scene.axis import AXES, Axis, axis_of
 from derod.scene.checking import check_lines, pushable_words
 from derod.scene.plan import check_plan, planned
 from derod.scene.program import legs
+from derod.terminal import say, say_done, show
 
 OPTIONS = {"relax.method": "--method", "mesh.edges": "--edges", "push.stop": "--stop"}
 """The keys of a scene that the command line changes, and what changes them."""

@@ -19,8 +19,8 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, TextIO
 
-from derod.cli.terminal import say
 from derod.errors import printable
+from derod.terminal import say
 
 if TYPE_CHECKING:
     from derod.algebra.survey import Wanted

@@ -5,8 +5,8 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from derod.cli import exits
-from derod.cli.terminal import show
+from derod import exits
+from derod.terminal import show
 
 SHELLS = ("bash", "zsh")
 FILES = ("FILE", "RUN", "SCENE", "BRANCHES", "OUT", "FILE.rrd", "RUN.h5")

@@ -8,7 +8,7 @@ from collections.abc import Collection
 from enum import Enum
 from pathlib import Path
 
-from derod.cli.exits import UsageError
+from derod.exits import UsageError
 
 HDF5 = b"\x89HDF\r\n\x1a\n"
 RERUN = b"RRF"

@@ -6,9 +6,8 @@ import argparse
 import shlex
 from typing import Any
 
-from derod import scenes
-from derod.cli import exits
-from derod.cli.terminal import say_done, show
+from derod import exits, scenes
+from derod.terminal import say_done, show
 
 
 def add_scenes_parser(commands: Any) -> None:

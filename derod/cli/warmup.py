@@ -9,8 +9,8 @@ from collections.abc import Iterable
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from derod.cli import exits
-from derod.cli.terminal import say, show
+from derod import exits
+from derod.terminal import say, show
 
 if TYPE_CHECKING:
     from derod.algebra.survey import Wanted

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from derod.cli.terminal import say
 from derod.pushing.frames import Ending, Event, Frame, Observer, RelaxationObserver
+from derod.terminal import say
 
 if TYPE_CHECKING:
     from derod.equilibrium.loop import Report

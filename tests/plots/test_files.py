@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from derod.cli import main
-from derod.cli.exits import UsageError
+from derod.exits import UsageError
 
 
 def test_default_name_beside_the_file_and_no_overwriting(run_file, capsys):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING, Any
 
-from derod.cli import terminal
+from derod import terminal
 from derod.errors import RecordError, SceneError
 from derod.files import lock, outputs
 from derod.scene import load_scene

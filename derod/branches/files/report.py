@@ -52,7 +52,7 @@ def compare_files(args: argparse.Namespace) -> int:
     are held against their checksums.
     """
     import derod
-    from derod.cli import terminal
+    from derod import terminal
 
     if not args.tolerance > 0.0 or args.every < 1:
         terminal.say("derod: error: --tolerance and --every must be positive")

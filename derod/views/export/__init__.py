@@ -15,7 +15,7 @@ import os
 from pathlib import Path
 from typing import Any
 
-from derod.cli.exits import UsageError
+from derod.exits import UsageError
 from derod.views.export.output import check_target, write_file
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from derod.cli.exits import DONE
+from derod.exits import DONE
 
 
 def add_export_parser(commands: Any) -> None:

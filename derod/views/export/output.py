@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from derod.cli.exits import UsageError
+from derod.exits import UsageError
 from derod.files.outputs import check_output, replacing
 
 

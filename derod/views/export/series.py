@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from derod.cli.exits import UsageError
+from derod.exits import UsageError
 from derod.scene.axis import axes_of, axis_of
 from derod.views.export.output import write_file
 from derod.views.export.vtk import Field, collection, poly_data

@@ -18,7 +18,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from derod.cli.exits import UsageError
+from derod.exits import UsageError
 from derod.views.plots.kinds import KINDS, Options, check_files, need_matplotlib, read_places
 
 if TYPE_CHECKING:

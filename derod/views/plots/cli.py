@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from derod.cli.exits import DONE, UsageError, naming_options
+from derod.exits import DONE, UsageError, naming_options
 from derod.views.plots.kinds import KINDS, need_matplotlib, read_places
 
 

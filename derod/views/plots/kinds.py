@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from derod.cli.exits import UsageError
+from derod.exits import UsageError
 from derod.needs import need
 from derod.scene.axis import both
 from derod.scene.quantities import read_quantity

@@ -17,7 +17,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from derod.cli.exits import UsageError
+from derod.exits import UsageError
 from derod.scene.axis import axes_of
 from derod.views.export.output import check_target, write_file
 from derod.views.plots.painter import paint_shape, turned

@@ -10,7 +10,7 @@ from typing import Any
 import matplotlib as mpl
 from matplotlib.figure import Figure
 
-from derod.cli.exits import UsageError
+from derod.exits import UsageError
 from derod.views.export.output import write_file
 from derod.views.plots.style import Theme, look
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from derod.cli.exits import UsageError
+from derod.exits import UsageError
 from derod.views.plots.kinds import Options, file_name, written
 from derod.views.plots.painter import RADIUS, paint_shape, turned
 from derod.views.plots.path import family

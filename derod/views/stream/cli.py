@@ -6,9 +6,9 @@ import argparse
 import time
 from typing import TYPE_CHECKING, Any
 
-from derod.cli.terminal import finish, say_done, show
 from derod.errors import DerodError
 from derod.pushing.interrupts import acknowledge
+from derod.terminal import finish, say_done, show
 
 if TYPE_CHECKING:
     from derod.pushing.frames import Observer

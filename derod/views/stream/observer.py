@@ -8,10 +8,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from derod.cli.terminal import say
 from derod.files.outputs import check_output
 from derod.pushing.frames import Ending, Event, Frame
 from derod.scene import Scene
+from derod.terminal import say
 from derod.views.stream.messages import Begin, Step
 from derod.views.stream.pipe import Pipe
 from derod.views.stream.target import Target, parse_target

@@ -18,10 +18,10 @@ from typing import Any, BinaryIO
 
 import numpy as np
 
-from derod.cli.terminal import say
 from derod.files.outputs import OutputError
 from derod.pushing.frames import Ending, Event, Frame
 from derod.pushing.rows import ROW
+from derod.terminal import say
 from derod.views.stream.drawing import Batch, Column, draw, draw_shapes
 from derod.views.stream.messages import Begin, Step
 from derod.views.stream.target import TargetError
