@@ -65,7 +65,7 @@ def push(
     if isinstance(scene, str | os.PathLike):
         scene = read_scene(scene)
     if progress:
-        from derod.cli.progress import Progress
+        from derod.views.progress import Progress
 
         observers = [Progress(everywhere=True), *observers]
     if extrapolate:

@@ -23,11 +23,15 @@ from derod.errors import SceneError
 from derod.record import BaseRun, open_run
 from derod.scene import Scene
 from derod.scene.axis import both
+from derod.scene.html import html_table
 from derod.scenes import read_scene
 from derod.views.branch_faces import Branches
-from derod.views.faces import html_table
 
 AnyPath = str | os.PathLike[str]
+
+
+LIMITS = {"tolerance": 1e-10, "max_step": 0.22, "accuracy": 1e-8}
+"""Of the continuation, unless ``branch`` is told others."""
 
 
 class BranchWarning(UserWarning):
@@ -39,19 +43,17 @@ def branch(
     path: AnyPath | None = None,
     *,
     paths: Sequence[str] | str | None = None,
-    tolerance: float = 1e-10,
-    max_step: float = 0.22,
-    accuracy: float = 1e-8,
     stability: bool = True,
     overwrite: bool = False,
     progress: bool = False,
+    **limits: float,
 ) -> Branches:
     """Compute the solution branches of ``scene`` and return them, open for reading.
 
     ``scene``: a scene, a file, or a shipped one's name. With ``path`` they are kept in that branch file.
-    ``paths``: names such as "Ax" or ["Ax", "3D"], all if None. ``tolerance``: the largest residual;
-    ``max_step``: of arclength; ``accuracy``: the mesh-halving error allowed; ``stability``: whether unstable
-    modes are counted. Paths that are not found are told by a BranchWarning. Raises SceneError, RecordError.
+    ``paths``: names such as "Ax" or ["Ax", "3D"], all if None. ``stability``: whether unstable modes are
+    counted. ``limits`` are those of LIMITS: ``tolerance``, the largest residual; ``max_step``, of arclength;
+    ``accuracy``, the mesh-halving error allowed. Paths that are not found are told by a BranchWarning. Raises SceneError, RecordError.
     """
     names = (paths,) if isinstance(paths, str) else None if paths is None else tuple(paths)
     for name in names or ():
@@ -59,13 +61,14 @@ def branch(
             family(name)
         except ValueError as error:
             raise SceneError(str(error)) from error
-    limits = {"tolerance": tolerance, "max_step": max_step, "accuracy": accuracy}
     for option, value in limits.items():
+        if option not in LIMITS:
+            raise TypeError(f"branch() got an unexpected keyword argument {option!r}")
         if not 0.0 < value < 1.0:
             raise SceneError("is out of range", key=option, value=value, allowed="between 0 and 1")
     made = scene if isinstance(scene, Scene) else read_scene(scene)
     parameters = Parameters.from_scene(made)
-    settings = Settings(names, tolerance, max_step, accuracy, stability)
+    settings = Settings(names, *(LIMITS | limits).values(), stability)
     if path is not None:
         _compute(path, parameters, made, settings, overwrite, progress)
         return Branches(Path(path))

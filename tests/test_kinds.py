@@ -9,8 +9,8 @@ import pytest
 
 from derod import cli, scenes
 from derod.branches import Parameters, write_branches
-from derod.cli.kinds import Kind, kind_of
 from derod.record import RunWriter
+from derod.views.file_kinds import Kind, kind_of
 from tests.synthetic import drive, small_scene
 
 Captured = pytest.CaptureFixture[str]

@@ -7,8 +7,8 @@ import math
 
 import pytest
 
-from derod.cli.progress import Pace, Progress, Way, clock_time
 from derod.pushing.frames import Ending, Outcome
+from derod.views.progress import Pace, Progress, Way, clock_time
 from tests.synthetic import drive, make_event, make_frame, small_scene
 
 

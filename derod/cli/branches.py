@@ -11,8 +11,8 @@ import shlex
 from typing import Any
 
 from derod import exits, scenes
-from derod.cli import kinds
 from derod.terminal import say_done
+from derod.views import file_kinds as kinds
 
 
 def add_branch_parser(commands: Any) -> None:

@@ -10,7 +10,6 @@ from importlib import import_module
 from typing import Any
 
 from derod import exits, scenes
-from derod.cli import kinds
 from derod.errors import RecordError, SceneError, shown
 from derod.files.outputs import check_output
 from derod.pushing import interrupts
@@ -21,6 +20,7 @@ from derod.scene.checking import check_lines, pushable_words
 from derod.scene.plan import check_plan, planned
 from derod.scene.program import legs
 from derod.terminal import say, say_done, show
+from derod.views import file_kinds as kinds
 
 OPTIONS = {"relax.method": "--method", "mesh.edges": "--edges", "push.stop": "--stop"}
 """The keys of a scene that the command line changes, and what changes them."""
@@ -39,7 +39,7 @@ def push(args: argparse.Namespace) -> int:
         watchers += import_module(module).make_observers(args, scene)
     observers: list[Observer] = []
     if not args.quiet:
-        from derod.cli.progress import Progress
+        from derod.views.progress import Progress
 
         observers.append(Progress())
     from derod.api import push as push_scene

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from derod.views.stream import fields
-from derod.views.stream.geometry import MaterialFrame, material_frame
+from derod.record import profiles as fields
+from derod.record.geometry import MaterialFrame, material_frame
 
 if TYPE_CHECKING:
     from derod.record.run import BaseRun

@@ -12,9 +12,9 @@ from derod.scene.axis import AXES, axis_of
 from derod.scene.quantities import read_quantity
 
 if TYPE_CHECKING:
+    from derod.record.geometry import MaterialFrame
     from derod.record.modes import Modes
     from derod.record.run import BaseRun
-    from derod.views.stream.geometry import MaterialFrame
 
 
 class Increment:
@@ -107,7 +107,7 @@ class Increment:
 
     def _repr_html_(self) -> str:
         from derod.record import layout
-        from derod.views.faces import html_table
+        from derod.scene.html import html_table
 
         cells = [
             (name, f"{self.row[name]:.8g}" if ROW[name].kind == "f" else str(self.row[name]),

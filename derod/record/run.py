@@ -14,10 +14,10 @@ from derod.record.increment import Increment, nearest
 from derod.scene import Scene
 
 if TYPE_CHECKING:
+    from derod.record.geometry import MaterialFrame
     from derod.record.modes import Modes
     from derod.record.si import SIReading
     from derod.views.plots.picture import Picture
-    from derod.views.stream.geometry import MaterialFrame
 
 
 class BaseRun(ABC):

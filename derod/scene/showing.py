@@ -28,7 +28,7 @@ def html(scene: Scene) -> str:
     """The dimensionless groups as a table, and the text folded away."""
     from html import escape
 
-    from derod.views.faces import html_table
+    from derod.scene.html import html_table
 
     groups = [
         (group.symbol, f"{group.value:.6g} {group.unit}".strip(), group.meaning)

@@ -8,7 +8,8 @@ import numpy as np
 
 from derod.branches import BranchFile
 from derod.scene.axis import both
-from derod.views.faces import html_table, picture_html
+from derod.scene.html import html_table
+from derod.views.faces import picture_html
 
 
 class Branches(BranchFile):

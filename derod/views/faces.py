@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from base64 import b64encode
-from collections.abc import Iterable, Sequence
 from html import escape
 from typing import TYPE_CHECKING, Any
 
@@ -12,27 +11,13 @@ import numpy as np
 from derod.errors import DerodError
 from derod.record.ending import ending_words
 from derod.scene.axis import END_SHORTENING, axes_of
+from derod.scene.html import html_table
 
 if TYPE_CHECKING:
     from derod.record.run import BaseRun
 
 PICTURE = 560  # pixels wide
 MOST_ROWS = 12
-
-
-def html_table(title: str, head: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
-    """A table of texts with a title; text is left, numbers are right."""
-    cells = "".join(f"<th style='text-align:left'>{escape(str(name))}</th>" for name in head)
-    body = "".join(
-        "<tr>"
-        + "".join(f"<td style='text-align:left'>{escape(str(x))}</td>" for x in row)
-        + "</tr>"
-        for row in rows
-    )
-    return (
-        f"<div><strong>{escape(title)}</strong><table><thead><tr>{cells}</tr></thead>"
-        f"<tbody>{body}</tbody></table></div>"
-    )
 
 
 def picture_html(file: Any) -> str:

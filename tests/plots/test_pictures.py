@@ -163,7 +163,7 @@ def test_energies_stack_to_the_total(run):
 
 
 def test_kymograph_holds_curvature_and_tension(run):
-    from derod.views.stream.fields import curvature
+    from derod.record.profiles import curvature
 
     picture = run.plot("kymograph")
     kappa, tension = (axes.collections[0] for axes in picture.axes[:2])

@@ -12,11 +12,11 @@ import numpy as np
 import pytest
 
 import derod
-from derod.cli.progress import Progress
 from derod.needs import MissingError
 from derod.pushing.rows import ROW
 from derod.record import BaseRun, MemoryRun, RunWriter
 from derod.views.branch_faces import Branches
+from derod.views.progress import Progress
 from tests.scenes import coil
 from tests.synthetic import drive, small_scene
 

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from derod.views.stream import fields
+from derod.record import profiles as fields
 from tests.synthetic import small_scene
 
 

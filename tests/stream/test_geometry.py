@@ -3,7 +3,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from derod.views.stream.geometry import (
+from derod.record.geometry import (
     edge_tangents,
     material_frame,
     rotate,
@@ -51,7 +51,7 @@ def test_holonomy_is_the_area_that_the_tangent_encloses(half_angle):
 
 
 def test_products_are_those_taken_one_by_one():
-    from derod.views.stream.geometry import quaternion_product, tangents_with_clamps
+    from derod.record.geometry import quaternion_product, tangents_with_clamps
 
     positions, _ = wavy(37)
     t = tangents_with_clamps(positions)

@@ -14,11 +14,11 @@ from typing import Any
 import numpy as np
 
 from derod.exits import UsageError
+from derod.record.geometry import material_frame, sphere
+from derod.record.profiles import curvature, node_tension, wetted
 from derod.scene.axis import axes_of, axis_of
 from derod.views.export.output import write_file
 from derod.views.export.vtk import Field, collection, poly_data
-from derod.views.stream.fields import curvature, node_tension, wetted
-from derod.views.stream.geometry import material_frame, sphere
 
 DROP_RADIUS = 0.5  # D
 SCALARS = {

@@ -99,8 +99,8 @@ def add_movie_parser(commands: Any) -> None:
 
 def run_movie(args: argparse.Namespace) -> int:
     """Carry out ``derod movie``."""
-    from derod.cli import kinds
     from derod.record import open_run
+    from derod.views import file_kinds as kinds
 
     need_matplotlib()
     kinds.expect(args.file, kinds.RUNS)

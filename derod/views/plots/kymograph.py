@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from derod.record.profiles import curvature, node_tension
 from derod.views.plots.kinds import Options
 from derod.views.plots.reading import abscissa
 from derod.views.plots.style import LABELS, Theme
-from derod.views.stream.fields import curvature, node_tension
 
 PIXELS = 500  # along the rod
 MARGIN = 0.6  # D of outer rod that is shown

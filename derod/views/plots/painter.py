@@ -14,9 +14,9 @@ from matplotlib.collections import PolyCollection
 from matplotlib.colors import to_rgb
 from matplotlib.patches import Circle, Polygon, Rectangle
 
+from derod.record.geometry import point_at, unit
 from derod.views.plots.reading import Shape
 from derod.views.plots.style import Theme
-from derod.views.stream.geometry import point_at, unit
 
 SIDES = 14
 RADIUS = 0.021  # D

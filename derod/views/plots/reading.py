@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 import derod
-from derod.cli import kinds
 from derod.scene.axis import END_SHORTENING, axes_of, axis_of
+from derod.views import file_kinds as kinds
 from derod.views.plots.style import LABELS
 
 HARD_WALL = 2.0  # the plateau of the hard-wall limit is f_gamma - 2, K0/D^2

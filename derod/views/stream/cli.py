@@ -112,8 +112,8 @@ def add_view_parser(commands: Any) -> None:
 
 def run_view(args: argparse.Namespace) -> int:
     """Carry out ``derod view``."""
-    from derod.cli import kinds
     from derod.needs import need
+    from derod.views import file_kinds as kinds
     from derod.views.stream.target import parse_target
 
     kinds.expect(args.file, kinds.RESULTS)

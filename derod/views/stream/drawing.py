@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 
 from derod.pushing.frames import Frame
+from derod.record import profiles as fields
+from derod.record.geometry import material_frame, point_at, tube
 from derod.scene import Scene
-from derod.views.stream import fields
-from derod.views.stream.geometry import material_frame, point_at, tube
 
 RADIUS = 0.017  # D, of the tube; the rod of the model is a curve
 SIDES = 10

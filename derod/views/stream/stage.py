@@ -10,8 +10,9 @@ import numpy as np
 import rerun as rr
 
 from derod.pushing.frames import Ending, Event
+from derod.record import profiles as fields
+from derod.record.geometry import sphere, tube_triangles
 from derod.scene import Scene
-from derod.views.stream import fields
 from derod.views.stream.blueprint import run_blueprint
 from derod.views.stream.drawing import (
     FORCE,
@@ -22,7 +23,6 @@ from derod.views.stream.drawing import (
     SIDES,
     Column,
 )
-from derod.views.stream.geometry import sphere, tube_triangles
 
 WATER = (120, 175, 235, 46)
 BRASS = (196, 160, 92, 255)

@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from derod.record.geometry import tangents_with_clamps, unit
 from derod.scene import Scene
-from derod.views.stream.geometry import tangents_with_clamps, unit
 
 VIRIDIS = [
     (96, 92, 172), (66, 110, 168), (43, 116, 142), (34, 141, 141), (33, 166, 133),
