@@ -68,7 +68,10 @@ def branch(
             raise SceneError("is out of range", key=option, value=value, allowed="between 0 and 1")
     made = scene if isinstance(scene, Scene) else read_scene(scene)
     parameters = Parameters.from_scene(made)
-    settings = Settings(names, *(LIMITS | limits).values(), stability)
+    chosen = LIMITS | limits
+    settings = Settings(
+        names, chosen["tolerance"], chosen["max_step"], chosen["accuracy"], stability
+    )
     if path is not None:
         _compute(path, parameters, made, settings, overwrite, progress)
         return Branches(Path(path))
