@@ -53,7 +53,8 @@ def branch(
     ``scene``: a scene, a file, or a shipped one's name. With ``path`` they are kept in that branch file.
     ``paths``: names such as "Ax" or ["Ax", "3D"], all if None. ``stability``: whether unstable modes are
     counted. ``limits`` are those of LIMITS: ``tolerance``, the largest residual; ``max_step``, of arclength;
-    ``accuracy``, the mesh-halving error allowed. Paths that are not found are told by a BranchWarning. Raises SceneError, RecordError.
+    ``accuracy``, the mesh-halving error allowed. Paths that are not found are told by a BranchWarning. Raises
+    SceneError, RecordError.
     """
     names = (paths,) if isinstance(paths, str) else None if paths is None else tuple(paths)
     for name in names or ():

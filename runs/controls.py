@@ -92,7 +92,7 @@ def greenhill(figures: Figures) -> None:
 
 def tension(figures: Figures) -> None:
     """End tension as the control."""
-    scene = load_scene(HERE / "paper-figures.toml").replace({"mesh.edges": 400, "push.at": []})
+    scene = load_scene(HERE / "paper-figures.toml").replace({"mesh.edges": 800, "push.at": []})
     step = {"control": "end_tension", "stop": 21.0, "at": [18.5, 19.0]}
     begun = scene.replace({"push.stop": "1.0 pi", "steps": [step]})
     up = derod.push(begun)
@@ -143,7 +143,7 @@ def jumps(figures: Figures, branches: BranchFile, up: BaseRun, down: BaseRun) ->
     last = [event for event in down.events if event.kind == "snap"][-1]
     figures.line(
         f"jump at the corner of t at L2's pitchfork, {corner['end_tension']:.6f}",
-        last.control_value / float(corner["end_tension"]) - 1,
+        last.control_value - float(corner["end_tension"]),
         1e-5,
     )
     print(f"  below: {down.outcome}: {down.ending.message if down.ending else ''}")
@@ -183,19 +183,19 @@ def weight(figures: Figures) -> None:
 
 def loop(figures: Figures) -> None:
     """The capillary force up and down."""
-    scene = load_scene(HERE / "paper-figures.toml").replace(
-        {"push.control": "capillary_force", "push.at": [], "push.max_step": 0.4}
-    )
-    for where, least, most in (("0.6 pi", 20.0, 28.0), ("1.5 pi", 12.0, 30.0)):
-        run = derod.push(
-            scene.replace(
-                {
-                    "clamps.end_shortening": where,
-                    "push.start": 20.0,
-                    "push.stop": [most, least, 20.0],
-                }
-            )
-        )
+    base = load_scene(HERE / "paper-figures.toml")
+    held = {
+        "push.control": "capillary_force",
+        "push.at": [],
+        "push.max_step": 0.4,
+        "push.start": 20.0,
+    }
+    for where, turns in (
+        ("0.6 pi", [28.0, 20.0]),
+        ("0.3 pi", [4.0, 20.0]),
+        ("1.9 pi", [30.0, 4.0, 20.0]),
+    ):
+        run = derod.push(base.replace({**held, "clamps.end_shortening": where, "push.stop": turns}))
         report_loop(figures, where, run)
 
 
@@ -209,6 +209,10 @@ def report_loop(figures: Figures, where: str, run: BaseRun) -> None:
     figures.line(
         f"{where}: energy where the loop ends, {len(events)} events, lost {lost:.4f}", off, 1e-6
     )
+    force, wetted = table["capillary_force"], table["wetted_length"]
+    work = -float(np.sum(0.5 * (wetted[1:] + wetted[:-1]) * np.diff(force)))
+    if events:
+        figures.line(f"{where}: work done {work:.4f} over what was lost", work / lost - 1, 2e-2)
     calm = table["smooth"]
     figures.line(
         f"{where}: work defect of smooth rows",

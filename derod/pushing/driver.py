@@ -133,7 +133,8 @@ class Push:
         self.segment = segment
         delta = self.here.state.end_shortening
         if leg.control == before.control:
-            self.telling.event("turn", delta, f"turn toward {leg.stop:.6g}")
+            value = self.increments.told(self.value)
+            self.telling.event("turn", delta, f"turn toward {leg.stop:.6g}", value=value)
             self.increments.stride.largest = leg.max_step / self.unit
             return
         words = HELD[leg.control].words
