@@ -39,25 +39,31 @@ def reactions(system: System, state: State) -> Reactions:
     start, end = in_space(-room.r[0, :d]), in_space(room.r[-1, :d])
     end[2] += physics.end_tension
     moment = float(twisting_moment(physics, state.holonomy)) if d == 3 else 0.0
-    axis = np.array([0.0, 0.0, 1.0])
-    moments = []
-    for side in (0, -1):
-        slope = clamp_slope(system, state, side, moment)
-        turned = np.cross(axis, slope)
-        moments.append((turned if side == -1 else -turned) + moment * axis)
-    return Reactions(start, end, moments[0], moments[1], moment)
+    x, y = clamp_slope(system, 0, moment)
+    start_moment = np.array([y, -x, moment])  # -e_z x dL/dc
+    x, y = clamp_slope(system, -1, moment)
+    end_moment = np.array([-y, x, moment])
+    return Reactions(start, end, start_moment, end_moment, moment)
 
 
-def clamp_slope(system: System, state: State, side: int, moment: float) -> np.ndarray:
-    """Return dL/dc, (3,), by the tangent c of the clamp at the start (0) or the end (-1)."""
+def clamp_slope(system: System, side: int, moment: float) -> tuple[float, float]:
+    """Return dL/dc across the axis, by the tangent c of the clamp at the start (0) or the end (-1).
+
+    Written in numbers: numpy's calls on three of them would cost a tenth of a push.
+    """
     kin = system.room.kin
-    vertex, edge, next_one = (0, 1, 2) if side == 0 else (-1, -2, -3)
-    w, rest, t = kin.weight[vertex], kin.rest[edge], kin.tangent[:, edge]
-    bending = w + system.room.tension[edge] * rest**3 * w * w / 12
-    slope = in_space(rest / 3 * w * kin.difference[:, edge] - bending * kin.turn_slope[vertex] * t)
+    vertex, edge, beyond = (0, 1, 2) if side == 0 else (-1, -2, -3)
+    w, rest = float(kin.weight[vertex]), float(kin.rest[edge])
+    bending = w + float(system.room.tension[edge]) * rest**3 * w * w / 12
+    turning = bending * float(kin.turn_slope[vertex])
+    t = kin.tangent[:, edge].tolist()
+    difference = kin.difference[:, edge].tolist()
+    y = rest / 3 * w * difference[-2] - turning * t[-2]
+    x = rest / 3 * w * difference[0] - turning * t[0] if len(t) == 3 else 0.0
     if moment != 0.0:
-        polygon = kin.normal[:, vertex] / (2 - kin.fall[vertex])
-        beyond = kin.tangent[:, next_one]
-        corner = np.cross(t, beyond) if side == 0 else np.cross(beyond, t)
-        slope -= moment * (0.125 * corner - polygon)
-    return slope
+        inverse = 1 / (2 - float(kin.fall[vertex]))
+        normal, o = kin.normal[:, vertex].tolist(), kin.tangent[:, beyond].tolist()
+        a, b = (t, o) if side == 0 else (o, t)
+        x -= moment * (0.125 * (a[1] * b[2] - a[2] * b[1]) - inverse * normal[0])
+        y -= moment * (0.125 * (a[2] * b[0] - a[0] * b[2]) - inverse * normal[1])
+    return x, y

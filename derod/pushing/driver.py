@@ -203,9 +203,9 @@ class Push:
         here = increment.here
         if self.telling.recording:
             frame = self.telling.frame(here, self.row_of(increment, landing))
-            state = decode(self.system, frame, slides=here.state.physics.slides)
-            if not state.equals(here.state):  # never, where K = K0
-                here = self.increments.measure(state)
+            if self.system.bending != 1:  # rounded by the change of units; else exactly what it is
+                state = decode(self.system, frame, slides=here.state.physics.slides)
+                here = here if state.equals(here.state) else self.increments.measure(state)
         self.here = here
         self.before = previous if increment.smooth else None
         if self.system.outer_length(here.state) < OUTER_LEAST:

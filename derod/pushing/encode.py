@@ -20,10 +20,12 @@ from derod.rod.unknowns import BORDER, F_A, S_A, S_B, X_C
 def encode(system: System, here: Measured, settled: Settled) -> Frame:
     """Return the frame of a settled state, with what was measured there."""
     unit, state = system.bending, here.state
-    row = np.zeros(1, ROW)[0]
-    for column in ALL:
-        value = column.value(here, settled)
-        row[column.name] = value * unit**column.power if column.power else value
+    values = [column.value(here, settled) for column in ALL]
+    if unit != 1:
+        for k, column in enumerate(ALL):
+            if column.power:
+                values[k] *= unit**column.power
+    row = np.array([tuple(values)], ROW)[0]
     return Frame(
         row,
         state.positions,
