@@ -55,7 +55,12 @@ def push_one(box: str, seed: int, number: int) -> Result:
     """Push a scene at its step and at a quarter of it, and audit both."""
     clock = time.process_time()
     scene = draw(box, seed, number)
-    quarter = scene.replace({"push.max_step": scene.push.max_step / 4})
+    changes: dict[str, object] = {"push.max_step": scene.push.max_step / 4}
+    if scene.steps:
+        names = ("control", "stop", "at", "max_step")
+        steps = [{name: getattr(step, name) for name in names} for step in scene.steps]
+        changes["steps"] = [{**step, "max_step": step["max_step"] / 4} for step in steps]
+    quarter = scene.replace(changes)
     descents = [Descents(), Descents()]
     runs = [derod.push(scene, None, [descents[0]]), derod.push(quarter, None, [descents[1]])]
     faults = [

@@ -10,6 +10,8 @@ from typing import Any
 import h5py
 import numpy as np
 
+from derod.files.texts import fixed
+
 
 class Column:
     """A chunked dataset of shape (T, *shape), T growing, that others may read meanwhile."""
@@ -32,7 +34,7 @@ class Column:
             dtype=dtype,
         )
         if unit is not None:
-            self.dataset.attrs["unit"] = unit
+            self.dataset.attrs["unit"] = fixed(unit)
         self._dtype = np.dtype(dtype)
         self._shape = shape
         self._whole_chunk = per_chunk == 1

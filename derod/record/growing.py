@@ -21,6 +21,7 @@ from derod.errors import RecordError
 from derod.files.checks import attributes
 from derod.files.digest import committed_digest, frame_digest, head_digest, record_digest
 from derod.files.lock import Lock
+from derod.files.texts import fixed
 from derod.pushing.frames import Ending, Event, Frame
 from derod.record import layout
 from derod.record.column import Cell, Column
@@ -215,7 +216,7 @@ class GrowingFile:
         quantities = list(dict.fromkeys(self._controls))
         units = list(dict.fromkeys(layout.ROW_UNITS[name] for name in quantities))
         self._time = Column(file, f"{position}/time", "f8", per_chunk=1024, unit=", ".join(units))
-        self._time.dataset.attrs["quantity"] = ", ".join(quantities)
+        self._time.dataset.attrs["quantity"] = fixed(", ".join(quantities))
         shapes = {
             layout.POSITION: (self.nodes, 3),
             layout.ARC_LENGTH: (self.nodes,),
@@ -230,7 +231,7 @@ class GrowingFile:
             file, f"{layout.TABLE}/value", layout.STORED_ROW, per_chunk=layout.ROWS_PER_CHUNK
         )
         for name, unit in layout.ROW_UNITS.items():
-            table.dataset.attrs[f"unit {name}"] = unit
+            table.dataset.attrs[f"unit {name}"] = fixed(unit)
         self._values[layout.TABLE] = table
         for name in layout.ELEMENTS[1:]:
             file[f"{name}/step"] = self._step.dataset
@@ -262,19 +263,19 @@ def _write_provenance(file: h5py.File, scene: Scene, created: str | None) -> Non
     now = datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds")
     h5md = file.create_group("h5md")
     h5md.attrs["version"] = np.array(layout.H5MD_VERSION, dtype="i4")
-    h5md.create_group("author").attrs["name"] = "unknown"
+    h5md.create_group("author").attrs["name"] = fixed("unknown")
     creator = h5md.create_group("creator")
-    creator.attrs["name"] = "derod"
-    creator.attrs["version"] = _version("derod")
+    creator.attrs["name"] = fixed("derod")
+    creator.attrs["version"] = fixed(_version("derod"))
     parameters = file.create_group("parameters")
-    parameters.attrs["created"] = created or now
-    parameters.attrs["opened"] = now
+    parameters.attrs["created"] = fixed(created or now)
+    parameters.attrs["opened"] = fixed(now)
     parameters.attrs["seed"] = scene.noise.seed
-    parameters.attrs["platform"] = platform.platform()
-    parameters.attrs["python"] = platform.python_version()
+    parameters.attrs["platform"] = fixed(platform.platform())
+    parameters.attrs["python"] = fixed(platform.python_version())
     for package in ("derod", "numpy", "numba", "h5py"):
-        parameters.attrs[package] = _version(package)
-    parameters.attrs["hdf5"] = h5py.version.hdf5_version
+        parameters.attrs[package] = fixed(_version(package))
+    parameters.attrs["hdf5"] = fixed(h5py.version.hdf5_version)
     text = scene.text.encode("utf-8")
     file.create_dataset(
         layout.SCENE, data=text, dtype=h5py.string_dtype("utf-8", max(len(text), 1))

@@ -29,12 +29,16 @@ BOXES = {
     "wide": Box((6, 24), (0.5, 1.5), (5, 80), (0.02, 0.3), (1e-5, 5e-2)),
     "hard": Box((6, 9), (0.5, 1.5), (8, 30), (0.02, 0.1), (1e-4, 5e-3)),
     "weak": Box((6, 24), (0.5, 1.5), (4.5, 8), (0.02, 0.3), (1e-5, 5e-2)),
+    "heavy": Box((6, 16), (0.5, 1.5), (8, 60), (0.02, 0.3), (1e-4, 5e-2)),
+    "steps": Box((6, 16), (0.5, 1.5), (10, 40), (0.05, 0.3), (1e-4, 5e-2)),
 }
+ORDER = ("hard", "weak", "wide", "heavy", "steps")  # a new one comes last: seeds keep their scenes
+WEIGHTS = (0.005, 0.4)  # of f_gamma
 
 
 def draw(box: str, seed: int, number: int) -> derod.Scene:
     """Return scene ``number`` of a seed: the same whatever else is drawn."""
-    rng = np.random.default_rng([seed, number, sorted(BOXES).index(box)])
+    rng = np.random.default_rng([seed, number, ORDER.index(box)])
     ranges = BOXES[box]
     length = rng.uniform(*ranges.length)
     rotation = rng.choice([0.0, 2 * math.pi, rng.uniform(0, 4 * math.pi)])
@@ -53,10 +57,49 @@ def draw(box: str, seed: int, number: int) -> derod.Scene:
         "push.max_step": step,
         "push.at": [share * stop for share in LANDINGS],
     }
-    return derod.parse_scene(PLAIN).replace(
-        {key: value if isinstance(value, (int, list)) else float(f"{value:.5g}")
-         for key, value in tables.items()}
-    )  # fmt: skip
+    if box in ("heavy", "steps"):
+        tables["push.stop"] = stop = stop * rng.uniform(0.3, 0.9)
+        tables["push.at"] = [share * stop for share in LANDINGS]
+    if box == "heavy":
+        tables["drop.weight"] = tables["drop.capillary_force"] * math.exp(
+            rng.uniform(*np.log(WEIGHTS))
+        )
+    rounded = {
+        key: value if isinstance(value, (int, list)) else float(f"{value:.5g}")
+        for key, value in tables.items()
+    }
+    if box == "heavy":
+        rounded["push.bend"] = str(rng.choice(["down", "up"]))
+    if box == "steps":
+        rounded["steps"] = draw_steps(rng, rounded)
+    return derod.parse_scene(PLAIN).replace(rounded)
+
+
+def draw_steps(rng: np.random.Generator, tables: dict[str, Any]) -> list[dict[str, Any]]:
+    """Return three legs of other controls, each with a landing half way where its beginning is known."""
+    values = {
+        "end_shortening": tables["push.stop"],
+        "end_rotation": tables["clamps.end_rotation"],
+        "capillary_force": tables["drop.capillary_force"],
+        "wall_strength": tables["drop.wall_strength"],
+        "weight": 0.0,
+    }
+    legs: list[dict[str, Any]] = []
+    last = "end_shortening"
+    for _ in range(3):
+        control = str(rng.choice([name for name in values if name != last]))
+        begin = values[control]
+        stop = {
+            "end_shortening": begin * rng.uniform(0.6, 1.15),
+            "end_rotation": begin + rng.uniform(-2, 2) * math.pi,
+            "capillary_force": begin * rng.uniform(0.7, 1.5),
+            "wall_strength": begin * rng.uniform(0.5, 2),
+            "weight": tables["drop.capillary_force"] * rng.uniform(0, 0.2),
+        }[control]
+        stop = float(f"{stop:.5g}")
+        legs.append({"control": control, "stop": stop, "at": [0.5 * (begin + stop)]})
+        values[control], last = stop, control
+    return legs
 
 
 PLAIN = """

@@ -112,7 +112,6 @@ def test_the_step_is_stable(pushed: tuple[System, State, State]) -> None:
         explicit.evaluate(
             system.physics,
             system.mesh,
-            system.end_rotation,
             state.holonomy,
             system.room,
             moved.q,

@@ -165,7 +165,7 @@ def look(folder: Path) -> dict[str, object]:
     with h5py.File(folder / "toy.h5") as file:
         stored = file["observables/push/value"]
         units = {
-            name: str(stored.attrs[f"unit {name}"])
+            name: stored.attrs[f"unit {name}"].decode()
             for name in ("spring", "drop_tilt", "energy_spring")
         }
     conjugate = table["energy_spring"] / table["spring"]

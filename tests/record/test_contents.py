@@ -55,9 +55,9 @@ def test_the_file_says_what_it_is(finished: Path) -> None:
         table = file[f"{layout.TABLE}/value"]
         for name in ROW.names or ():
             if ROW[name] == np.dtype("f8") and name != "next_step":  # that counts in the control's
-                assert table.attrs[f"unit {name}"] == layout.ROW_UNITS[name]
+                assert table.attrs[f"unit {name}"].decode() == layout.ROW_UNITS[name]
         for name, unit in layout.UNITS.items():
-            assert file[f"{name}/value"].attrs["unit"] == unit
+            assert file[f"{name}/value"].attrs["unit"].decode() == unit
 
 
 def test_elements_share_their_steps_and_times(finished: Path) -> None:

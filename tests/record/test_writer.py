@@ -94,13 +94,13 @@ def test_a_finished_file_is_plain_hdf5_with_units(tmp_path: Path) -> None:
         position = file["particles/rod/position"]
         assert position["value"].shape == (3, EDGES + 1, 3)
         assert position["value"].chunks == (1, EDGES + 1, 3)
-        assert position["value"].attrs["unit"] == "D"
+        assert position["value"].attrs["unit"] == b"D"
         assert list(position["step"]) == [0, 1, 2]
         assert position["step"] == file["observables/push/step"], "one dataset, linked"
         assert file["particles/rod/box"].attrs["dimension"] == 3
         assert tuple(file["h5md"].attrs["version"]) == (1, 1)
         units = file["observables/push/value"].attrs
-        assert units["unit end_tension"] == "K0 D-2"
+        assert units["unit end_tension"] == b"K0 D-2"
         assert "capillary_force = 20.0" in file["parameters/scene"][()].decode()
     spare = (tmp_path / "run.h5").stat().st_size - 3 * frame_bytes
     assert spare < 100_000, "room taken and not used is given back"
