@@ -177,5 +177,11 @@ def disagreements(run: BaseRun, finer: BaseRun, limit: float = 1e-3) -> list[str
 
 
 def side_was_open(run: BaseRun) -> bool:
-    """Return whether an event says that a seed, and no symmetry, decided between different minima."""
-    return any("of two minima" in event.message for event in run.events)
+    """Return whether an event says that a seed decided between minima that go on differently.
+
+    Mirror images do where the end is turned afterwards: one is wound up by it, the other unwound.
+    """
+    words = ["of two minima"]
+    if any(step.control == "end_rotation" for step in run.scene.steps):
+        words.append("the side is the seed's")
+    return any(word in event.message for event in run.events for word in words)

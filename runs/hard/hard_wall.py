@@ -93,6 +93,7 @@ def pt_at_a_hard_wall() -> tuple[str, str, Check, str]:
     for strength, softness in harder_walls():
         thin = squeezed(system, state, softness)
         system = planar_system(strength, softness)
+        thin.physics = system.physics
         solution = relax(make_relaxer("implicit"), system, thin)
         iterations += solution.iterations
         if not solution.converged:
