@@ -4,9 +4,11 @@ The second variation (``second_variation``) is counted by the signs of pivots. A
 state splits it into flip-even and flip-odd variations of half the rod. Two flip-odd variations need
 care:
 
-- *Turning* the coil about the clamp axis (phi = e_z - d_3) costs nothing where the drop has no weight. It
-  is penalised then and never counted. With a weight it is a variation like others, and is counted: turned
-  by a the rod keeps its energy, and W y_C becomes W y_C cos a, so that by itself it costs -W y_C a^2/2.
+- *Turning* the coil about the clamp axis (phi = e_z - d_3) costs nothing where the drop has no weight and
+  the rod one bending stiffness. It is penalised then and never counted. With a weight it is a variation
+  like others, and is counted: turned by a the rod keeps its energy, and W y_C becomes W y_C cos a, so that
+  by itself it costs -W y_C a^2/2. With two stiffnesses it is counted too: the coil turns in the clamps'
+  directors.
 - *Sliding* the drop along the rod (rho = e_z - d_3): both menisci move along the rod by the same
   length c, all else follows. k = d^2E/dc^2, with everything else relaxed, is what the clamps'
   boundary layers make of it: about 2 |m|^2 sqrt(t) for a long outer rod, m the bending moment at a
@@ -95,7 +97,7 @@ def _counted(state: HalfRod, critical: bool) -> Stability:
     """The counts on the state's own mesh."""
     negative, left = condensed(state, NEUTRAL if critical else 0.0)
     even = negative + negative_eigenvalues(_of_class(left, odd=False)) - CLAMP_ROWS
-    neutral = state.weight == 0.0
+    neutral = state.weight == 0.0 and not state.parameters.anisotropic
     block = _of_class(left, odd=True, turn=neutral)
     odd = negative + negative_eigenvalues(block) - CLAMP_ROWS - 1 - neutral  # slide, and turn
     # half a rod's form is x.F x = k c^2/2; the corner of the bordered inverse is -k/2
