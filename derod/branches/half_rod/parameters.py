@@ -61,6 +61,11 @@ class Parameters:
         return self.bending_2 != 1.0
 
     @property
+    def isotropic(self) -> Parameters:
+        """The rod with K2 = K1."""
+        return replace(self, bending_2=1.0)
+
+    @property
     def crossed(self) -> bool:
         """Whether d_1, and not d_2, is along the flip axis e_y at the rod's middle.
 

@@ -251,10 +251,13 @@ def core_radius(state: HalfRod) -> float:
     return 0.0 if state.nodes[0, :3].any() else CORE
 
 
-def condensed(state: HalfRod, raised: float | np.ndarray = 0.0) -> tuple[int, np.ndarray]:
+def condensed(
+    state: HalfRod, raised: float | np.ndarray = 0.0, core: float | None = None
+) -> tuple[int, np.ndarray]:
     """The negative pivots met from the clamp to the middle, and what is left there.
 
-    ``raised`` (K/D^2), a number or one each for x, y and z, is added to the form as sum of raised_i phi_i^2.
+    ``raised`` (K/D^2), a number or one each for x, y and z, is added to the form as sum of raised_i
+    phi_i^2. ``core`` (D): of the wall, ``core_radius`` by default.
 
     The matrix (14, 14) is in phi(0), rho(0), rho_C, the multipliers of rho(clamp) = 0 (3), the turn
     and the slide (slip b = 0 of the meniscus), of the form of half a rod, in K0. Raises
@@ -267,7 +270,8 @@ def condensed(state: HalfRod, raised: float | np.ndarray = 0.0) -> tuple[int, np
         state.nodes[state.inner], float(state.scalars[5]), prm.meniscus_wall, after, jacobian
     )
     front = np.empty((SIZE, SIZE))
-    wall = np.array([prm.wall_strength, prm.wall_softness, core_radius(state)])
+    core = core_radius(state) if core is None else core
+    wall = np.array([prm.wall_strength, prm.wall_softness, core])
     negative = _sweep(
         state.nodes,
         state.lengths,

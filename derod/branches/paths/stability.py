@@ -95,14 +95,33 @@ def stability(state: HalfRod, *, critical: bool = False) -> Stability:
 
 def _counted(state: HalfRod, critical: bool) -> Stability:
     """The counts on the state's own mesh."""
-    negative, left = condensed(state, NEUTRAL if critical else 0.0)
+    even, odd, block = _parts(state, NEUTRAL if critical else 0.0)
+    # half a rod's form is x.F x = k c^2/2; the corner of the bordered inverse is -k/2
+    stiffness = -2.0 * float(np.linalg.inv(block)[-1, -1])
+    return Stability(even, odd, stiffness, clamp_moment(state))
+
+
+def counts(
+    state: HalfRod, raised: float | np.ndarray, core: float | None = None
+) -> tuple[int, int]:
+    """Numbers of unstable flip-even and flip-odd modes, the drop held in its place along the rod.
+
+    ``raised`` and ``core`` as in ``condensed``: rotations about axes that are raised much take no part.
+    """
+    even, odd, _ = _parts(state, raised, core)
+    return even, odd
+
+
+def _parts(
+    state: HalfRod, raised: float | np.ndarray, core: float | None = None
+) -> tuple[int, int, np.ndarray]:
+    """Even and odd counts, and the odd block that is left at the middle."""
+    negative, left = condensed(state, raised, core)
     even = negative + negative_eigenvalues(_of_class(left, odd=False)) - CLAMP_ROWS
     neutral = state.weight == 0.0 and not state.parameters.anisotropic
     block = _of_class(left, odd=True, turn=neutral)
     odd = negative + negative_eigenvalues(block) - CLAMP_ROWS - 1 - neutral  # slide, and turn
-    # half a rod's form is x.F x = k c^2/2; the corner of the bordered inverse is -k/2
-    stiffness = -2.0 * float(np.linalg.inv(block)[-1, -1])
-    return Stability(even, odd, stiffness, clamp_moment(state))
+    return even, odd, block
 
 
 def clamp_moment(state: HalfRod) -> float:
