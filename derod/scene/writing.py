@@ -7,9 +7,10 @@ from typing import Any
 
 from derod.scene.experiment import Group, group_errors
 from derod.scene.material import derived, plain_material
+from derod.scene.plain import comes_from
 from derod.scene.quantities import write_quantity
 from derod.scene.rules import QUANTITIES
-from derod.scene.tables import Material, Scene, Step
+from derod.scene.tables import Material, Scene, Step, written_fields
 from derod.scene.together import covered_range
 
 
@@ -25,12 +26,9 @@ def dump_scene(scene: Scene) -> str:
         if isinstance(struct, Material):
             lines += [f"{name} = {_toml(x, False)}" for name, x in plain_material(struct).items()]
         else:
-            for name in struct.__struct_fields__:
-                value = getattr(struct, name)
-                if value is None:
-                    continue
+            for name, value in written_fields(struct).items():
                 line = f"{name} = {_toml(value, (table, name) in QUANTITIES)}"
-                given = (table, name) in known and known[table, name].value == value
+                given = comes_from(known, table, name, value)
                 lines.append(f"# {line}  # from [material]" if given else line)
         blocks.append("\n".join(lines) + "\n")
         if table == "push":

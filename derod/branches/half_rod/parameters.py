@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from derod.errors import SceneError
-from derod.scene.material import check_one_stiffness
 
 if TYPE_CHECKING:
     from derod.scene import Scene
@@ -48,8 +47,7 @@ class Parameters:
             return
         if not self.twisting > 0.0:
             raise ValueError("twisting = 0: allowed with two bending stiffnesses: above 0")
-        turns = (2.0 * self.director + self.end_rotation) / math.pi
-        if abs(turns - round(turns)) > FLIP_TOLERANCE:
+        if not flip_symmetric(self.director, self.end_rotation):
             raise ValueError(
                 f"director = {self.director:g} and end_rotation = {self.end_rotation:g}: allowed with two "
                 "bending stiffnesses: alpha_0 = -alpha_L, up to multiples of pi"
@@ -99,22 +97,14 @@ class Parameters:
         return replace(self, weight=value)
 
     @classmethod
-    def from_scene(cls, scene: Scene) -> Parameters:
-        """Take the numbers of a scene, forces divided by its bending stiffness.
+    def from_scene(cls, scene: Scene, director: float = 0.0) -> Parameters:
+        """Take the numbers of a scene, forces divided by its bending stiffness K1.
 
-        Raises SceneError for a rod with two bending stiffnesses (the flip-symmetric equations are
-        those of isotropic rods), and for a drop without capillary force or wall.
+        ``director``: alpha_0, rad. Raises SceneError for a drop without capillary force or wall, and for
+        a rod with two bending stiffnesses that has no twisting stiffness or no flip-symmetric states.
         """
-        check_one_stiffness(scene)
         bending = scene.rod.bending
-        if not isinstance(bending, int | float):
-            raise SceneError(
-                "has no branches: the paper's boundary-value problem is for isotropic rods",
-                file=scene.path,
-                key="rod.bending",
-                value=bending,
-                allowed="one number",
-            )
+        bending_2 = scene.rod.bending_2 or bending
         for key in ("capillary_force", "wall_strength"):
             value = getattr(scene.require_drop(), key)
             if not value > 0.0:
@@ -125,6 +115,8 @@ class Parameters:
                     value=value,
                     allowed="> 0",
                 )
+        if bending_2 != bending:
+            _check_two(scene, director)
         return cls(
             length=scene.rod.length,
             twisting=scene.rod.twisting / bending,
@@ -134,4 +126,33 @@ class Parameters:
             end_rotation=scene.clamps.end_rotation,
             weight=scene.require_drop().weight / bending,
             bending=bending,
+            bending_2=bending_2 / bending,
+            director=director,
         )
+
+
+def _check_two(scene: Scene, director: float) -> None:
+    rotation = scene.clamps.end_rotation
+    if not scene.rod.twisting > 0.0:
+        raise SceneError(
+            "has no branches with two bending stiffnesses",
+            file=scene.path,
+            key="rod.twisting",
+            value=scene.rod.twisting,
+            allowed="> 0",
+        )
+    if not flip_symmetric(director, rotation):
+        raise SceneError(
+            "has no flip-symmetric states with two bending stiffnesses and d_1 at alpha_0 = "
+            f"{director:g} at the first clamp",
+            file=scene.path,
+            key="clamps.end_rotation",
+            value=rotation,
+            allowed="-2 alpha_0, up to multiples of pi",
+        )
+
+
+def flip_symmetric(director: float, rotation: float) -> bool:
+    """Whether alpha_0 = -alpha_L up to multiples of pi, alpha_L = alpha_0 + R."""
+    turns = (2.0 * director + rotation) / math.pi
+    return abs(turns - round(turns)) <= FLIP_TOLERANCE

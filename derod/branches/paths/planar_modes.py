@@ -25,7 +25,9 @@ from derod.branches.paths.stability import counts
 RAISED = 1e6
 """K1/D^2, on rotations that shall not take part: more than any load."""
 SOFTEST, STIFFEST = 1e-3, 1e6
-"""Stiffnesses over K1 looked at."""
+"""K3/K1 looked at."""
+WIDEST = 100.0
+"""w/h looked at: K2/K1 = 1e4. Beyond, rounding of K2/h^3 would count."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,20 +62,23 @@ def planar_modes(state: HalfRod, core: float | None = None) -> PlanarModes:
     return PlanarModes(*inside, *outside)
 
 
-def critical_twisting(state: HalfRod, bending_2: float) -> float | None:
+def critical_twisting(state: HalfRod, bending_2: float, core: float | None = None) -> float | None:
     """The K3/K1 from which a planar state is stable out of its plane with this K2/K1.
 
     None where no K3/K1 up to STIFFEST is enough; SOFTEST where the least looked at is.
     """
 
     def unstable(twisting: float) -> bool:
-        return _unstable(state, twisting, bending_2)
+        return _unstable(state, twisting, bending_2, core)
 
     return _threshold(unstable, SOFTEST, STIFFEST)
 
 
 def critical_aspect(
-    state: HalfRod, twisting: Callable[[float], float], widest: float = 1e4
+    state: HalfRod,
+    twisting: Callable[[float], float],
+    widest: float = WIDEST,
+    core: float | None = None,
 ) -> float | None:
     """The aspect ratio w/h from which a rectangle is stable out of its plane: K2/K1 = (w/h)^2.
 
@@ -81,14 +86,14 @@ def critical_aspect(
     """
 
     def unstable(aspect: float) -> bool:
-        return _unstable(state, twisting(aspect), aspect * aspect)
+        return _unstable(state, twisting(aspect), aspect * aspect, core)
 
     return _threshold(unstable, 1.0, widest)
 
 
-def _unstable(state: HalfRod, twisting: float, bending_2: float) -> bool:
+def _unstable(state: HalfRod, twisting: float, bending_2: float, core: float | None) -> bool:
     parameters = replace(state.parameters, twisting=twisting, bending_2=bending_2)
-    return planar_modes(state.with_parameters(parameters)).outside > 0
+    return planar_modes(state.with_parameters(parameters), core).outside > 0
 
 
 def _threshold(unstable: Callable[[float], bool], low: float, high: float) -> float | None:
