@@ -2,9 +2,10 @@
 
     python runs/two_stiffnesses.py [--core 0.01]
 
-l = 10, v0 = 2e-2, f_gamma = 20, rho = 0.1, K3 = 0.9 (all in units of K1 and D). Ax and 3D have d_1 along e_x at the
-clamps (alpha_0 = 0): Ax bends about d_1, easily. Pt lies in the other plane; of a strip that bends easily there
-alpha_0 is pi/2. Pt runs through the wall's cone, whose core is 0.01 D as the discrete rod's.
+l = 10, v0 = 2e-2, f_gamma = 20, rho = 0.1, K3 = 0.9 (all in units of K1 and D). Ax and 3D have d_1 along
+e_x at the clamps (alpha_0 = 0): Ax bends about d_1, easily. Pt lies in the other plane; of a strip that
+bends easily there alpha_0 is pi/2. Pt runs through the wall's cone, whose core is 0.01 D as the discrete
+rod's.
 """
 
 from __future__ import annotations
@@ -149,15 +150,23 @@ def show_space(catalogue: Catalogue) -> None:
                 f"    {kind:18s} {state.end_shortening / math.pi:.7f} pi, t = {state.end_tension:.6f}, "
                 f"E_hat = {observables(state)['energy_hat']:.6f}"
             )
-        stable = [p.state.end_shortening / math.pi for p in path.points if not modes_of(p.state)]
-        print(
-            f"    stable from {min(stable):.5f} to {max(stable):.5f} pi (points)" if stable else ""
-        )
+        for first, last in stable_stretches(path):
+            print(f"    stable from {first / math.pi:.5f} to {last / math.pi:.5f} pi (points)")
 
 
-def modes_of(state: HalfRod) -> int:
-    """All unstable modes."""
-    return stability(halved(state)).modes
+def stable_stretches(path: Path) -> list[tuple[float, float]]:
+    """End-shortenings of the first and last of successive stable points."""
+    out: list[tuple[float, float]] = []
+    before = False
+    for point in path.points:
+        stable = stability(halved(point.state)).modes == 0
+        delta = point.state.end_shortening
+        if stable and before:
+            out[-1] = (out[-1][0], delta)
+        elif stable:
+            out.append((delta, delta))
+        before = stable
+    return out
 
 
 def main() -> None:
