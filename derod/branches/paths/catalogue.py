@@ -33,10 +33,10 @@ from derod.branches.paths.beginning import buckled, loaded_start
 from derod.branches.paths.branch import Branch, store
 from derod.branches.paths.joints import flattened, nearest_joint, stop_in_plane
 from derod.branches.paths.newton import Settled
-from derod.branches.paths.path import Path
+from derod.branches.paths.path import Path, PathNotFound
 from derod.branches.paths.point_symmetric import point_symmetric_state
 from derod.branches.paths.special import branch_off
-from derod.branches.paths.stiff_path import space_path_of_stiffened
+from derod.branches.paths.stiff_path import stiffened_path
 from derod.branches.paths.tracing import (
     collect,
     end_reason,
@@ -229,7 +229,11 @@ class Catalogue:
         """The path of what the round rod's 3D becomes as K2/K1 changes, if no other path has it."""
         if not self.parameters.anisotropic:
             return
-        found = space_path_of_stiffened(self, Catalogue(self.parameters.isotropic, self.control))
+        origin = next(Catalogue(self.parameters.isotropic, self.control).succession(), None)
+        if origin is None:
+            raise PathNotFound("3D-K2: the round rod has no path 3D")
+        known, tracer = self.paths.values(), self.tracer(FULL)
+        found = stiffened_path(origin, self.parameters, tracer, known, self.delta_limit)
         if found is not None:
             path, reason = found
             self.paths[path.name] = path

@@ -7,21 +7,18 @@ lies on a path that no pitchfork of Ax leads to.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Collection
 
 from derod.branches.half_rod.mirror import FULL
 from derod.branches.half_rod.observables import observables
 from derod.branches.half_rod.outcome import NotConverged
+from derod.branches.half_rod.parameters import Parameters
 from derod.branches.half_rod.state import HalfRod
-from derod.branches.paths.arc import Point
+from derod.branches.paths.arc import Point, Tracer
 from derod.branches.paths.joints import stop_in_plane
 from derod.branches.paths.path import Path, PathNotFound
 from derod.branches.paths.stiffening import stiffened
 from derod.branches.paths.tracing import two_ways
-
-if TYPE_CHECKING:
-    from derod.branches.paths.catalogue import Catalogue
 
 NAME = "3D-K2"
 PLACES = (1.0 * math.pi, 0.75 * math.pi, 0.5 * math.pi, 1.5 * math.pi, 0.35 * math.pi)
@@ -32,29 +29,29 @@ STRAIGHT = 0.01
 """A path is left where its end-shortening falls below this (D): the straight rod is near."""
 
 
-def space_path_of_stiffened(
-    catalogue: Catalogue, round_rod: Catalogue
+def stiffened_path(
+    origin: Path,
+    parameters: Parameters,
+    tracer: Tracer,
+    known: Collection[Path],
+    delta_limit: float,
 ) -> tuple[Path, object] | None:
-    """The path and what its stop test said at its end of growing delta; None where a path has it.
+    """The path and what its stop test said at its end of growing delta; None where a ``known`` one has it.
+
+    ``origin``: 3D of the round rod; ``tracer`` is the new path's.
 
     Raises PathNotFound where the round rod's 3D cannot be followed to this K2/K1 at any of PLACES.
     """
-    origin = next(iter(round_rod.succession()), None)
-    if origin is None:
-        raise PathNotFound("the round rod has no path 3D")
     for delta in PLACES:
         for state in origin.landings(delta):
             try:
-                settled = stiffened(state, catalogue.parameters, FULL, catalogue.control)
+                settled = stiffened(state, parameters, FULL, tracer.control)
             except NotConverged:
                 continue
-            if any(
-                _same(settled.state, x) for p in catalogue.paths.values() for x in p.landings(delta)
-            ):
+            if any(_same(settled.state, x) for path in known for x in path.landings(delta)):
                 return None
-            tracer = catalogue.tracer(FULL)
             remarks: list[str] = []
-            ahead, behind = stop_in_plane(catalogue.delta_limit), _stop(catalogue.delta_limit)
+            ahead, behind = stop_in_plane(delta_limit), _stop(delta_limit)
             found = two_ways(tracer, settled, None, remarks, ahead, behind)
             path = Path(
                 NAME, tracer, None, found.points, found.specials, found.begins, remarks=remarks
