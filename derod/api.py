@@ -26,8 +26,9 @@ from derod.record.extrapolate import extrapolate as extrapolate_runs
 from derod.scene import Scene
 from derod.scene.axis import both
 from derod.scene.material import check_one_stiffness
+from derod.scene.plain import plain_tables
 from derod.scene.plan import check_plan
-from derod.scene.reading import build_scene, plain_tables
+from derod.scene.reading import build_scene
 from derod.scenes import read_scene
 
 

@@ -23,9 +23,10 @@ from derod.scene import (
     load_scene,
     parse_scene,
 )
+from derod.scene.material import check_one_stiffness
+from derod.scene.plain import plain_tables
 from derod.scene.plan import ROW_BYTES, check_plan, planned
 from derod.scene.quantities import read_quantity, write_quantity
-from derod.scene.reading import plain_tables
 from derod.scene.rules import KEYS, QUANTITIES
 from tests.scenes import coil
 
@@ -449,8 +450,23 @@ def test_no_drop() -> None:
 
 
 def test_not_yet() -> None:
-    error = error_of(with_value("rod", "bending", [1, 2]))
-    assert names_all(error, "rod.bending") and "not yet" in str(error)
+    scene = build_scene(with_value("rod", "bending", [1, 2]), "some.toml")
+    with pytest.raises(SceneError, match="cannot be pushed yet") as caught:
+        check_one_stiffness(scene)
+    assert names_all(caught.value, "rod.bending")
+
+
+def test_two_bending_stiffnesses() -> None:
+    scene = build_scene(with_value("rod", "bending", [1, 2]))
+    assert (scene.rod.bending, scene.rod.bending_2) == (1.0, 2.0)
+    assert "\nbending = [1.0, 2.0]\n" in scene.text and "bending_2" not in scene.text
+    assert parse_scene(scene.text) == scene and build_scene(plain_tables(scene)) == scene
+    assert scene.replace({"rod.bending": 3}).rod.bending_2 is None
+    assert scene.replace({"rod.twisting": 3}).rod.bending_2 == 2.0
+    check_one_stiffness(build_scene(with_value("rod", "bending", [2, 2])))
+    for wrong in ([1], [1, 2, 3], [1, -1], [1, "2"], [[1], 2], []):
+        assert names_all(error_of(with_value("rod", "bending", wrong)), "rod.bending")
+    assert error_of(with_value("rod", "bending_2", 2)).key == "rod.bending_2"
 
 
 # -- replace

@@ -23,7 +23,8 @@ def branch_lines(file: BranchFile) -> Iterator[str]:
     p = file.parameters
     state = "complete" if file.complete else "not complete (derod branch --resume goes on)"
     yield f"{file.path}: {len(file)} branches, {state}"
-    yield f"  rod   l = {p.length:g}, K = {p.bending:g}, k3 = {p.twisting:g}"
+    section = f", K2/K = {p.bending_2:g}, alpha_0 = {p.director:g}" if p.anisotropic else ""
+    yield f"  rod   l = {p.length:g}, K = {p.bending:g}, k3 = {p.twisting:g}{section}"
     yield (
         f"  drop  f_gamma = {p.capillary_force:g}, v0 = {p.wall_strength:g}, "
         f"rho = {p.wall_softness:g}" + (f", W = {p.weight:g}" if p.weight else "")

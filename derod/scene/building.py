@@ -6,7 +6,8 @@ import os
 from collections.abc import Mapping
 from typing import Any
 
-from derod.scene.reading import build_scene, plain, plain_tables
+from derod.scene.plain import plain, plain_tables
+from derod.scene.reading import build_scene
 from derod.scene.tables import Scene as CheckedScene
 
 

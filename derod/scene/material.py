@@ -16,7 +16,7 @@ from typing import Any, NoReturn
 
 from derod.errors import SceneError
 from derod.scene.rules import KEYS, Key
-from derod.scene.sections import capillary_force, stiffness, twisting_ratio
+from derod.scene.sections import bending_ratio, capillary_force, stiffness, twisting_ratio
 from derod.scene.tables import Material, Scene
 from derod.scene.units import DIMENSIONS, Measured, plain_measured, propagate, read_measured
 
@@ -167,6 +167,9 @@ def with_groups(
         _check_group(table, name, measured.value, material, path)
     for (table, name), measured in derived(material).items():
         (rod if table == "rod" else drop)[name] = measured.value
+    ratio = propagate(bending_ratio, inputs(material)).value
+    if ratio != 1.0:
+        rod["bending"] = [rod["bending"], ratio]
     push = tables.get("push", {})
     for name in PUSH_LENGTHS:
         if name in push:
@@ -177,14 +180,22 @@ def with_groups(
 def check_one_stiffness(scene: Scene) -> None:
     """Raise SceneError where the rod has two bending stiffnesses, which nothing can push yet."""
     material = scene.material
-    if material is None or material.width is None or material.width == material.height:
+    if scene.rod.bending_2 is None or scene.rod.bending_2 == scene.rod.bending:
         return
+    if material is None or material.width is None:
+        raise SceneError(
+            "asks for two bending stiffnesses, which cannot be pushed yet",
+            file=scene.path,
+            key="rod.bending",
+            value=[scene.rod.bending, scene.rod.bending_2],
+            allowed="one number to push the rod (derod branch and derod check take two)",
+        )
     raise SceneError(
-        "makes a section with two bending stiffnesses, which are not supported yet",
+        "makes a section with two bending stiffnesses, which cannot be pushed yet",
         file=scene.path,
         key="material.width",
         value=plain_measured(material.width, "length"),
-        allowed="a circular or a square section (derod check shows this one's numbers)",
+        allowed="a circular or a square section to push the rod (derod branch and derod check take this one)",
     )
 
 

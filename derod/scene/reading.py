@@ -14,7 +14,8 @@ import msgspec.structs
 
 from derod.errors import SceneError
 from derod.scene.controls import HELD, held_value
-from derod.scene.material import MATERIAL_KEYS, derived, plain_material, with_groups
+from derod.scene.material import MATERIAL_KEYS, with_groups
+from derod.scene.plain import plain, plain_tables
 from derod.scene.rules import KEYS, Key
 from derod.scene.tables import (
     Clamps,
@@ -189,45 +190,6 @@ def replace_keys(scene: Scene, changes: Mapping[str, Any]) -> Scene:
     return build_scene(data, scene.path)
 
 
-def plain_tables(scene: Scene) -> dict[str, Any]:
-    """The scene as nested tables of plain values; ``build_scene`` gives an equal scene.
-
-    What [material] gives is left out of [rod] and [drop].
-    """
-    known = {} if scene.material is None else derived(scene.material)
-    tables: dict[str, Any] = {
-        table: plain_material(struct)
-        if isinstance(struct, Material)
-        else {
-            name: plain(value)
-            for name in struct.__struct_fields__
-            for value in [getattr(struct, name)]
-            if value is not None
-            and ((table, name) not in known or known[table, name].value != value)
-        }
-        for table, struct in scene.tables().items()
-    }
-    if scene.steps:
-        tables["steps"] = [plain(step) for step in scene.steps]
-    return tables
-
-
-def plain(value: Any) -> Any:
-    """``value`` as TOML would give it: tables, lists and numbers of numpy's and ours made plain."""
-    if isinstance(value, Material):
-        return plain_material(value)
-    if isinstance(value, Table):
-        given = ((name, getattr(value, name)) for name in value.__struct_fields__)
-        return {name: plain(item) for name, item in given if item is not None}
-    if isinstance(value, Mapping):
-        return {name: plain(item) for name, item in value.items()}
-    if isinstance(value, tuple | list):
-        return [plain(item) for item in value]
-    if type(value).__module__ == "numpy" and hasattr(value, "tolist"):
-        return plain(value.tolist())
-    return value
-
-
 def _read_table(
     table: str, data: Mapping[str, Any], path: str | None, called: str | None = None
 ) -> Table:
@@ -243,6 +205,8 @@ def _read_table(
     values = {name: _read_key(f"{called}.{name}", keys[name], data[name], path) for name in data}
     if "at" in values:
         values["at"] = tuple(sorted(values["at"]))
+    if isinstance(values.get("bending"), tuple):
+        values["bending"], values["bending_2"] = values["bending"]
     return struct(**values)
 
 

@@ -23,10 +23,17 @@ class Key:
     many: str = "no"  # "no": one value; "or": one value or a list; "list": a list
 
 
-def _bending(value: object) -> float:
-    if isinstance(value, list):
-        raise ValueError("asks for two bending stiffnesses, which are not yet supported")
-    return read_number(value)
+def _bending(value: object) -> float | tuple[float, float]:
+    if not isinstance(value, list):
+        return read_number(value)
+    if len(value) != 2:
+        raise ValueError("is no pair of bending stiffnesses")
+    return read_number(value[0]), read_number(value[1])
+
+
+def _stiff(value: float | tuple[float, float]) -> bool:
+    both = value if isinstance(value, tuple) else (value,)
+    return all(WEAKEST <= x <= STRONGEST for x in both)
 
 
 def _method(value: object) -> str:
@@ -90,7 +97,7 @@ KEYS: dict[str, dict[str, Key]] = {
             lambda x: 0.0 < x <= LARGEST,
             "a length above 1, the diameter of the drop, and up to 1e6",
         ),
-        "bending": Key(_bending, lambda x: WEAKEST <= x <= STRONGEST, "a number from 1e-12 to 1e9"),
+        "bending": Key(_bending, _stiff, "a number from 1e-12 to 1e9, or two, [K1, K2]"),
         "twisting": Key(read_number, lambda x: 0.0 <= x <= STRONGEST, "a number from 0 to 1e9"),
     },
     "drop": {

@@ -44,6 +44,11 @@ def hard_stiffness(x: Inputs) -> complex:
     return stiffness(x) if is_circle(x) else x["E"] * x["h"] * x["w"] ** 3 / 12.0
 
 
+def bending_ratio(x: Inputs) -> complex:
+    """K2/K1: 1, or (w/h)^2."""
+    return 1.0 if is_circle(x) else (x["w"] / x["h"]) ** 2
+
+
 def torsion_factor(x: Inputs) -> complex:
     """beta of a rectangle, J = beta w h^3.
 

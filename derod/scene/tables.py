@@ -54,9 +54,19 @@ class Rod(Table, frozen=True, kw_only=True):
     length: float
     """l = L/D, the length between the clamps."""
     bending: float
-    """K/K0, of an isotropic section."""
+    """K/K0 of an isotropic section; K1/K0, of bending about d_1, where there are two."""
+    bending_2: float | None = None
+    """K2/K0, of bending about d_2: the second of ``rod.bending = [K1, K2]``. None: K1."""
     twisting: float
     """k3 = K3/K0."""
+
+
+def written_fields(table: Table) -> dict[str, Any]:
+    """The keys of a table as a file has them, without those that are None."""
+    given = {name: getattr(table, name) for name in table.__struct_fields__}
+    if isinstance(table, Rod) and table.bending_2 is not None:
+        given["bending"] = (table.bending, given.pop("bending_2"))
+    return {name: value for name, value in given.items() if value is not None}
 
 
 class Drop(Table, frozen=True, kw_only=True):

@@ -7,9 +7,10 @@ from typing import Any
 
 from derod.scene.experiment import Group, group_errors
 from derod.scene.material import derived, plain_material
+from derod.scene.plain import comes_from
 from derod.scene.quantities import write_quantity
 from derod.scene.rules import QUANTITIES
-from derod.scene.tables import Material, Scene, Step
+from derod.scene.tables import Material, Rod, Scene, Step, written_fields
 from derod.scene.together import covered_range
 
 
@@ -25,12 +26,9 @@ def dump_scene(scene: Scene) -> str:
         if isinstance(struct, Material):
             lines += [f"{name} = {_toml(x, False)}" for name, x in plain_material(struct).items()]
         else:
-            for name in struct.__struct_fields__:
-                value = getattr(struct, name)
-                if value is None:
-                    continue
+            for name, value in written_fields(struct).items():
                 line = f"{name} = {_toml(value, (table, name) in QUANTITIES)}"
-                given = (table, name) in known and known[table, name].value == value
+                given = comes_from(known, table, name, value)
                 lines.append(f"# {line}  # from [material]" if given else line)
         blocks.append("\n".join(lines) + "\n")
         if table == "push":
@@ -57,13 +55,21 @@ def _toml(value: Any, angle: bool) -> str:
     return write_quantity(value) if angle and isinstance(value, float) else repr(value)
 
 
+def _stiffness_groups(rod: Rod) -> list[Group]:
+    groups = [Group("k3/K", rod.twisting / rod.bending, "twisting over bending stiffness")]
+    if rod.bending_2 is not None:
+        meaning = "bending stiffness about d_2 over that about d_1, which is K"
+        groups.insert(0, Group("K2/K", rod.bending_2 / rod.bending, meaning))
+    return groups
+
+
 def dimensionless_groups(scene: Scene) -> list[Group]:
     """The numbers that decide what the rod of ``scene`` does, D and K being its units."""
     rod, drop = scene.rod, scene.drop
     low, high = covered_range(scene)
     if drop is None:
         return [
-            Group("k3/K", rod.twisting / rod.bending, "twisting over bending stiffness"),
+            *_stiffness_groups(rod),
             Group(
                 "R/(2 pi)", scene.clamps.end_rotation / (2.0 * math.pi), "turns of the end clamp"
             ),
@@ -73,7 +79,7 @@ def dimensionless_groups(scene: Scene) -> list[Group]:
     pull = drop.capillary_force / rod.bending
     groups = [
         Group("l", rod.length, "rod length over drop diameter"),
-        Group("k3/K", rod.twisting / rod.bending, "twisting over bending stiffness"),
+        *_stiffness_groups(rod),
         Group("f_gamma D^2/K", pull, "capillary force; above 2 a coil on the wall pays off"),
         Group("L_EC/D", 1.0 / math.sqrt(pull), "elastocapillary length sqrt(K/f_gamma)"),
         Group("v0 D^2/K", drop.wall_strength / rod.bending, "strength of the wall"),

@@ -13,8 +13,8 @@ on the kernel of the constraints rho(0) = rho(l) = 0, phi = 0 at the clamps, w.(
 rho_C) = 0. A flip-symmetric state splits it into flip-even and flip-odd variations of half the
 rod. phi is piecewise quadratic and rho its exact integral, so this is a Ritz method: it converges
 from above and needs no multiplier for inextensibility. Turning the coil about the clamp axis (phi = e_z
-- d_3) is penalised where the drop has no weight, and so is the slip b of the menisci in flip-odd
-variations, where they move along the rod together.
+- d_3) is penalised where the drop has no weight and the section one stiffness, and so is the slip b of
+the menisci in flip-odd variations, where they move along the rod together.
 """
 
 from __future__ import annotations
@@ -27,6 +27,7 @@ from derod.branches.half_rod.element import moment, tangent
 from derod.branches.half_rod.fields import evaluate_fields, interpolate
 from derod.branches.half_rod.gauss import MATRIX, NODES, WEIGHTS
 from derod.branches.half_rod.mesh import adapted
+from derod.branches.half_rod.second_variation import core_radius
 from derod.branches.half_rod.state import HalfRod
 
 PENALTY = 1e6
@@ -47,11 +48,14 @@ def cross_matrix(a: np.ndarray) -> np.ndarray:
     return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
 
 
-def _rod_form(tangents, forces, moments, lengths, k3):  # type: ignore[no-untyped-def]
+def _rod_form(tangents, first, forces, moments, lengths, section):  # type: ignore[no-untyped-def]
     """Element matrices (E, 9, 9) of the rod's own second variation."""
     eye = np.eye(3)
-    outer = np.einsum("eki,ekj->ekij", tangents, tangents)
-    stiffness = eye + (k3 - 1.0) * outer
+    second = np.cross(tangents, first)
+    stiffness = sum(
+        k * np.einsum("eki,ekj->ekij", d, d)
+        for k, d in zip(section, (tangents, first, second), strict=True)
+    )
     pull = np.einsum("eki,eki->ek", forces, tangents)
     mixed = np.einsum("eki,ekj->ekij", forces, tangents)
     load = pull[..., None, None] * eye - 0.5 * (mixed + np.swapaxes(mixed, -1, -2))
@@ -63,6 +67,19 @@ def _rod_form(tangents, forces, moments, lengths, k3):  # type: ignore[no-untype
     a, b, c = (part.reshape(count, 9, 9) for part in (a, b, c))
     h = lengths[:, None, None]
     return a / h - 0.5 * (b + np.swapaxes(b, 1, 2)) + c * h
+
+
+def strain(m: np.ndarray, q: np.ndarray, section: np.ndarray) -> np.ndarray:
+    """The Darboux vector u = sum of (m.d_i/k_i) d_i, its part along d_3 left as m's."""
+    d = directors(q)
+    k = np.array([section[1], section[2], 1.0])
+    return d @ ((d.T @ m) / k)
+
+
+def directors(q: np.ndarray) -> np.ndarray:
+    """The matrix (3, 3) whose columns are d_1, d_2, d_3."""
+    w, v = q[0], q[1:]
+    return np.eye(3) + 2.0 * (w * cross_matrix(v) + cross_matrix(v) @ cross_matrix(v))
 
 
 class SecondVariation:
@@ -80,7 +97,13 @@ class SecondVariation:
         size = points + 3
         self.centre = slice(points, points + 3)
         form = np.zeros((size, size))
-        blocks = _rod_form(fields.tangents, fields.forces, fields.moments, lengths, prm.twisting)
+        q = state.stages
+        scalar, vector = q[..., :1], q[..., 1:]
+        unit = np.array([1.0, 0.0, 0.0])
+        across = np.cross(vector, unit)
+        first = unit + 2.0 * (scalar * across + np.cross(vector, across))
+        rod = (fields.tangents, first, fields.forces, fields.moments)
+        blocks = _rod_form(*rod, lengths, prm.section)
         for e in range(count):
             own = slice(6 * e, 6 * e + 9)
             form[own, own] += blocks[e]
@@ -101,7 +124,7 @@ class SecondVariation:
         self.constraint = left[0]
         self._add_meniscus(form, state, left[inner])
         self.form = 0.5 * (form + form.T)
-        self.heavy = state.weight != 0.0
+        self.turns = state.weight != 0.0 or prm.anisotropic
         self.neutral = self._neutral_modes(state, fields, size)
 
     @staticmethod
@@ -113,6 +136,15 @@ class SecondVariation:
         slope = 2.0 * prm.wall_strength / gap**2
         along = np.sqrt(np.maximum(4.0 * slope / gap, 0.0))
         across = np.sqrt(slope / r)
+        core = core_radius(state)
+        inside = r < core
+        if inside.any():  # r = c (3 + 6 y - y^2)/8 there, y = (r/c)^2
+            x = r[inside] / core
+            gap = 1.0 + prm.wall_softness - 0.25 * core * (3.0 + 6.0 * x**2 - x**4)
+            slope = 2.0 * prm.wall_strength / gap**2
+            first, second = 0.5 * x * (3.0 - x**2), 1.5 * (1.0 - x**2) / core
+            along[inside] = np.sqrt(slope * second + 4.0 * slope / gap * first**2)
+            across[inside] = np.sqrt(slope * first / r[inside])
         unit = w / r[:, None]
         # factor of the Hessian: along e e^T + across (1 - e e^T), both positive
         factor = across[:, None, None] * np.eye(3)
@@ -132,7 +164,7 @@ class SecondVariation:
         t, m = np.empty(3), np.empty(3)
         tangent(q, t)
         moment(state.scalars[0], state.scalars[1], w, y[7:10], m)
-        bend = np.cross(m, t)  # d_3'
+        bend = np.cross(strain(m, q, prm.section), t)  # d_3'
         size = form.shape[0]
         eta = rho.copy()
         eta[:, self.centre] -= np.eye(3)
@@ -187,7 +219,7 @@ class SecondVariation:
             form += PENALTY * np.outer(row, row)
         if odd:
             z = self.neutral[0][keep]
-            if not self.heavy:
+            if not self.turns:
                 form += NEUTRAL_PENALTY * np.outer(z, z) / max(z @ z, 1e-300)
             if not slides:
                 form += PENALTY * np.outer(self.slip[keep], self.slip[keep])

@@ -68,8 +68,21 @@ def test_scenes_outside_the_papers_problem(tmp_path, capsys):
     text = (RUNS / "paper-text.toml").read_text()
     scene = tmp_path / "other.toml"
     scene.write_text(text.replace("bending = 1 ", "bending = [1, 2] ", 1))
-    assert run("branch", scene, "-o", tmp_path / "x.h5") == 2
-    assert "rod.bending" in capsys.readouterr().err
+    assert run("branch", scene, "-o", tmp_path / "x.h5", "--director", "0.3") == 2
+    assert "flip-symmetric" in capsys.readouterr().err
+    assert run("branch", scene, "-o", tmp_path / "x.h5", "--director", "east") == 2
+    assert "--director = 'east'" in capsys.readouterr().err
+    assert not (tmp_path / "x.h5").exists()
+
+
+def test_two_bending_stiffnesses(tmp_path, capsys):
+    text = (RUNS / "paper-text.toml").read_text()
+    scene, out = tmp_path / "other.toml", tmp_path / "x.h5"
+    scene.write_text(text.replace("bending = 1 ", "bending = [1, 16] ", 1))
+    words = ("--paths", "Pt", "--director", "pi/2", "--no-stability", "--max-step", "0.6")
+    assert run("branch", scene, "-o", out, *words, "--accuracy", "1e-6", "--quiet") == 0
+    assert run("branch", out, "--export", "auto") == 0
+    assert "K2/K1 = 16" in capsys.readouterr().out.splitlines()[0]
 
 
 def test_shares_no_code_with_the_rod():

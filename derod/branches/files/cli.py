@@ -9,6 +9,7 @@ from derod import terminal
 from derod.errors import RecordError, SceneError
 from derod.files import lock, outputs
 from derod.scene import load_scene
+from derod.scene.quantities import read_quantity
 
 if TYPE_CHECKING:
     from derod.branches.files.writing import BranchWriter, Settings
@@ -32,6 +33,12 @@ def add_branch_parser(subparsers: Any) -> argparse.ArgumentParser:
     parser.add_argument("-o", "--output", help="branch file (*.h5) to write, or the text exported")
     parser.add_argument(
         "--paths", help="names separated by commas: Ax,3D,L2,3D-L2,Pt,Tri1 (default: all)"
+    )
+    parser.add_argument(
+        "--director",
+        default="0",
+        help="alpha_0, the angle of d_1 to e_x at the clamps of a rod with two bending stiffnesses: "
+        "0, or 'pi/2' to bend easily in the other plane (0)",
     )
     parser.add_argument(
         "--tolerance", type=float, default=1e-10, help="largest residual of any equation (1e-10)"
@@ -96,7 +103,13 @@ def _compute(args: argparse.Namespace) -> int:
             return _complain(f"--{error}")
     outputs.check_output(args.output, force=args.force, inputs=[args.scene], make_folders=False)
     scene = load_scene(args.scene)
-    parameters = Parameters.from_scene(scene)
+    try:
+        director = read_quantity(args.director)
+    except ValueError as error:
+        return _complain(
+            f"--director = {args.director!r} {error}; allowed: an angle such as 'pi/2'"
+        )
+    parameters = Parameters.from_scene(scene, director)
     settings = Settings(names, args.tolerance, args.max_step, args.accuracy, not args.no_stability)
     with BranchWriter(
         args.output, parameters, scene.text, settings, overwrite=args.force

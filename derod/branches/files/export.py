@@ -59,4 +59,5 @@ def _constants(file: BranchFile) -> str:
         f"l = {p.length:g}, k3 = {p.twisting:g}, f_gamma = {p.capillary_force:g}, "
         f"v0 = {p.wall_strength:g}, rho = {p.wall_softness:g}, R = {p.end_rotation:g}"
         + (f", W = {p.weight:g}" if p.weight else "")
+        + (f", K2/K1 = {p.bending_2:g}, alpha_0 = {p.director:g}" if p.anisotropic else "")
     )

@@ -7,7 +7,7 @@ Attributes ``format``, ``parameters`` (one dataset of the dimensionless numbers)
 ``bifurcations``. ``check`` is the checksum of a group, and at the root of all but the groups. Every branch
 is written as it is done, in one step; the attribute ``complete`` is true when all that were asked for are
 there. Files of derod 0.1 (format 1) have neither. Files before format 3 have no ``weight`` among the
-parameters: 0.
+parameters, those before format 4 no ``bending_2`` and ``director``: rods had one bending stiffness.
 """
 
 from __future__ import annotations
@@ -15,9 +15,11 @@ from __future__ import annotations
 import numpy as np
 
 OLD_FORMAT = "derod-branches-1"
-FORMATS = (OLD_FORMAT, "derod-branches-2", "derod-branches-3")
+FORMATS = (OLD_FORMAT, "derod-branches-2", "derod-branches-3", "derod-branches-4")
 FORMAT = FORMATS[-1]
 """What is written."""
+SINCE = {"weight": FORMATS[2], "bending_2": FORMATS[3], "director": FORMATS[3]}
+"""The first format that has a parameter; in older files it is what ``Parameters`` has by itself."""
 POINT = np.dtype(
     [
         ("end_shortening", "f8"),  # delta, D

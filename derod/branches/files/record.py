@@ -8,7 +8,7 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
 from derod.branches.files import checking
-from derod.branches.files.layout import FORMAT, OLD_FORMAT
+from derod.branches.files.layout import FORMATS, OLD_FORMAT, SINCE
 from derod.branches.files.stored import StoredBranch
 from derod.branches.half_rod.parameters import Parameters
 from derod.files import checks
@@ -40,9 +40,9 @@ class BranchFile:
         numbers = {
             f.name: checking.number(attrs, f.name)
             for f in fields(Parameters)
-            if f.name != "weight" or found == FORMAT
+            if FORMATS.index(found) >= FORMATS.index(SINCE.get(f.name, OLD_FORMAT))
         }
-        self.parameters = Parameters(**numbers)
+        self.parameters = _judged(numbers)
         self.scene_text = str(attrs.get("scene", ""))
         self.names = checking.branch_names(self._file)
         self.complete = bool(attrs.get("complete", True))
@@ -101,6 +101,13 @@ class BranchFile:
         trace: TracebackType | None,
     ) -> None:
         self.close()
+
+
+def _judged(numbers: dict[str, float]) -> Parameters:
+    try:
+        return Parameters(**numbers)
+    except ValueError as error:
+        raise checks.DamageError(f"the parameter {error}") from error
 
 
 def open_branches(path: str | Path) -> BranchFile:

@@ -6,6 +6,7 @@ import numpy as np
 
 from derod.branches.half_rod.element import moment, tangent
 from derod.branches.half_rod.fields import evaluate_fields, interpolate
+from derod.branches.half_rod.section import bending_strain
 from derod.branches.half_rod.state import HalfRod
 
 
@@ -55,10 +56,12 @@ def _quintic(x: np.ndarray) -> tuple[np.ndarray, ...]:
 
 
 def _directions(state: HalfRod) -> tuple[np.ndarray, np.ndarray]:
-    """Tangents d_3 and their derivatives m x d_3 at the nodes, each (E+2, 3)."""
-    slopes, bends, m = np.empty((len(state.nodes), 3)), np.empty((len(state.nodes), 3)), np.empty(3)
+    """Tangents d_3 and their derivatives u x d_3 at the nodes, each (E+2, 3)."""
+    slopes, bends = np.empty((len(state.nodes), 3)), np.empty((len(state.nodes), 3))
+    m, u = np.empty(3), np.empty(3)
     for y, slope, bend in zip(state.nodes, slopes, bends, strict=True):
         tangent(y[3:7], slope)
         moment(state.scalars[0], state.scalars[1], y[0:3], y[7:10], m)
-        bend[:] = np.cross(m, slope)
+        bending_strain(m, state.parameters.section, y[3:7], u)
+        bend[:] = np.cross(u, slope)
     return slopes, bends

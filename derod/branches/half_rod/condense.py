@@ -13,6 +13,12 @@ from numba import njit
 
 from derod.branches.half_rod.element import INPUTS, stages, tangent_derivative
 from derod.branches.half_rod.gauss import MATRIX, STAGES, WEIGHTS
+from derod.branches.half_rod.section import (
+    add_section_by_frame,
+    add_section_by_moment,
+    anisotropic,
+    local_twist,
+)
 
 _M = STAGES
 _A = MATRIX
@@ -55,8 +61,11 @@ def _quaternion_product(q, L):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy", inline="always")
-def _rates_by_inputs(q, L, W, N, Wz, Nz, k3, m, Pz):  # type: ignore[no-untyped-def]
-    """Derivative Pz (4, 15) of one stage's q' by the inputs; dm = dc + N x dW - W x dN in m (3, 15)."""
+def _rates_by_inputs(q, L, W, N, Wz, Nz, twisted, m, Pz):  # type: ignore[no-untyped-def]
+    """Derivative Pz (4, 15) of one stage's q' by the inputs; dm = dc + N x dW - W x dN in m (3, 15).
+
+    ``twisted``: derivative of the twist by u3, 1 - k3 where u3 is uniform.
+    """
     for z in range(_R):
         m[0, z] = N[1] * Wz[2, z] - N[2] * Wz[1, z] - W[1] * Nz[2, z] + W[2] * Nz[1, z]
     for z in range(_R):
@@ -68,7 +77,7 @@ def _rates_by_inputs(q, L, W, N, Wz, Nz, k3, m, Pz):  # type: ignore[no-untyped-
     for a in range(4):
         for z in range(_R):
             Pz[a, z] = L[a, 0] * m[0, z] + L[a, 1] * m[1, z] + L[a, 2] * m[2, z]
-    half_k = 0.5 * (1.0 - k3)
+    half_k = 0.5 * twisted
     Pz[0, 12] -= half_k * q[3]
     Pz[1, 12] += half_k * q[2]
     Pz[2, 12] -= half_k * q[1]
@@ -236,7 +245,7 @@ def _right_end(y, right, D, G, H, P, Pz, Wz, ends, X, h, dh, wet, row, A, r):  #
 
 
 @njit(cache=True, error_model="numpy")
-def condense(nodes, Q, eta, inner, half, p, k3, strength, softness, A, r, X):  # type: ignore[no-untyped-def]
+def condense(nodes, Q, eta, inner, half, p, section, strength, softness, A, r, X):  # type: ignore[no-untyped-def]
     """Linearise every element and eliminate its stages.
 
     nodes (E+2, 10): inner nodes first, then the outer ones (the meniscus twice: before and after
@@ -256,22 +265,30 @@ def condense(nodes, Q, eta, inner, half, p, k3, strength, softness, A, r, X):  #
     system, ends, row = np.empty((_S, _P)), np.empty((10, _S)), np.empty(_R)
     gap = 1.0
     worst = 0.0
-    twist = (1.0 - k3) * p[2]
+    two = anisotropic(section)
+    twisted = 0.0 if two else 1.0 - section[0]
+    twist = twisted * p[2]
     for e in range(eta.size):
         wet = e < inner
         left = e if wet else e + 1
         h = eta[e] * (p[3] if wet else half - p[3])
         dh = eta[e] if wet else -eta[e]
         y, right = nodes[left], nodes[left + 1]
-        gap = min(gap, stages(y, Q[e], h, p, k3, strength, softness, wet, D, W, G, H, N, Mm, P))
+        own = stages(y, Q[e], h, p, section, strength, softness, wet, D, W, G, H, N, Mm, P)
+        gap = min(gap, own)
         for k in range(_M):
             tangent_derivative(Q[e, k], E[k])
         _explicit_inputs(D, G, H, h, dh, wet, Wz, Nz)
         for j in range(_M):
             _quaternion_product(Q[e, j], L)
-            _rates_by_inputs(Q[e, j], L, W[j], N[j], Wz[j], Nz[j], k3, dm, Pz[j])
+            if two:
+                twist = local_twist(Mm[j], section, D[j])
+                add_section_by_moment(section, Q[e, j], D[j], L)
+            _rates_by_inputs(Q[e, j], L, W[j], N[j], Wz[j], Nz[j], twisted, dm, Pz[j])
             _rates_by_stages(j, h, wet, L, W[j], N[j], H, E, T, C, CE, PQ[j])
             _add_own_rate(Mm[j], twist, 4 * j, PQ[j])
+            if two:
+                add_section_by_frame(Mm[j], section, Q[e, j], 4 * j, PQ[j])
         worst = max(worst, _stage_equations(y, Q[e], P, Pz, PQ, h, dh, system))
         _solve_stages(system)
         for s in range(_S):

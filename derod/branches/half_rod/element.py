@@ -9,7 +9,7 @@ and d_1' = (m + (1 - k3) u3 d_3) x d_1 become
 The moment is not integrated: c = m + w x n is conserved (the meniscus force is radial), c_y = 0
 by the flip symmetry, u3 is uniform (equa_M3). Hence m = c - w x n with the four element
 parameters (c_x, c_z, u3, sigma), sigma entering through the element's length. Gauss collocation
-keeps |q| = 1.
+keeps |q| = 1. Two bending stiffnesses change q' alone (``section``).
 
 In an element only the stage quaternions Q_k are unknowns: W_k and N_k follow from them explicitly.
 """
@@ -20,6 +20,7 @@ import numpy as np
 from numba import njit
 
 from derod.branches.half_rod.gauss import MATRIX, STAGES
+from derod.branches.half_rod.section import add_section_rate, anisotropic, local_twist
 
 STATE = 10
 PARAMETERS = 4  # c_x, c_z, u3, sigma
@@ -85,7 +86,7 @@ def quaternion_rate(m, twist, q, out):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
-def stages(y, Q, h, p, k3, strength, softness, wet, D, W, G, H, N, Mm, P):  # type: ignore[no-untyped-def]
+def stages(y, Q, h, p, section, strength, softness, wet, D, W, G, H, N, Mm, P):  # type: ignore[no-untyped-def]
     """Stage tangents, places, wall forces, forces, moments and quaternion rates; returns the
     least gap."""
     gap = 1.0
@@ -107,5 +108,9 @@ def stages(y, Q, h, p, k3, strength, softness, wet, D, W, G, H, N, Mm, P):  # ty
                     total += _A[j, k] * G[k, i]
             N[j, i] = y[7 + i] + h * total
         moment(p[0], p[1], W[j], N[j], Mm[j])
-        quaternion_rate(Mm[j], (1.0 - k3) * p[2], Q[j], P[j])
+        if anisotropic(section):
+            quaternion_rate(Mm[j], local_twist(Mm[j], section, D[j]), Q[j], P[j])
+            add_section_rate(Mm[j], section, Q[j], P[j])
+        else:
+            quaternion_rate(Mm[j], (1.0 - section[0]) * p[2], Q[j], P[j])
     return gap

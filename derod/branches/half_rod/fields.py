@@ -10,6 +10,7 @@ from numba import njit
 
 from derod.branches.half_rod.element import PARAMETERS, stages
 from derod.branches.half_rod.gauss import NODES, STAGES
+from derod.branches.half_rod.section import bending_strain, director
 from derod.branches.half_rod.state import HalfRod
 
 
@@ -27,7 +28,7 @@ class Fields:
 
 
 @njit(cache=True, error_model="numpy")
-def _fields(nodes, Q, h, inner, p, k3, strength, softness, D, W, N, M, rates):  # type: ignore[no-untyped-def]
+def _fields(nodes, Q, h, inner, p, section, strength, softness, D, W, N, M, rates):  # type: ignore[no-untyped-def]
     """Run ``stages`` over all elements; returns the least gap."""
     m = Q.shape[1]
     G = np.zeros((m, 3))
@@ -37,7 +38,8 @@ def _fields(nodes, Q, h, inner, p, k3, strength, softness, D, W, N, M, rates):  
     for e in range(h.size):
         wet = e < inner
         y = nodes[e if wet else e + 1]
-        gap = stages(y, Q[e], h[e], p, k3, strength, softness, wet, D[e], W[e], G, H, N[e], M[e], P)
+        rest = (D[e], W[e], G, H, N[e], M[e], P)
+        gap = stages(y, Q[e], h[e], p, section, strength, softness, wet, *rest)
         least = min(least, gap)
         for k in range(m):
             for i in range(3):
@@ -60,7 +62,7 @@ def evaluate_fields(state: HalfRod) -> Fields:
         state.lengths,
         state.inner,
         state.scalars[:PARAMETERS],
-        prm.twisting,
+        prm.section,
         prm.wall_strength,
         prm.wall_softness,
         D,
@@ -70,6 +72,28 @@ def evaluate_fields(state: HalfRod) -> Fields:
         rates,
     )
     return Fields(D, W, N, M, rates, gap)
+
+
+@njit(cache=True, error_model="numpy")
+def _section_fields(Q, M, section, U, first):  # type: ignore[no-untyped-def]
+    for e in range(Q.shape[0]):
+        for k in range(Q.shape[1]):
+            bending_strain(M[e, k], section, Q[e, k], U[e, k])
+            director(Q[e, k], 1, first[e, k])
+
+
+def bending_strains(state: HalfRod, fields: Fields) -> np.ndarray:
+    """u up to a multiple of d_3 at the Gauss points (E, m, 3), d_3' = u x d_3; m itself where K1 = K2."""
+    if not state.parameters.anisotropic:
+        return fields.moments
+    return section_fields(state, fields)[0]
+
+
+def section_fields(state: HalfRod, fields: Fields) -> tuple[np.ndarray, np.ndarray]:
+    """Bending strains and d_1 at the Gauss points, each (E, m, 3)."""
+    strains, first = np.empty_like(fields.moments), np.empty_like(fields.moments)
+    _section_fields(state.stages, fields.moments, state.parameters.section, strains, first)
+    return strains, first
 
 
 @cache

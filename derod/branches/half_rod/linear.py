@@ -48,7 +48,7 @@ def linearise(state: HalfRod) -> Elements:
         state.inner,
         0.5 * prm.length,
         state.scalars[:PARAMETERS],
-        prm.twisting,
+        prm.section,
         prm.wall_strength,
         prm.wall_softness,
         A,

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from derod.branches.half_rod.fields import Fields, evaluate_fields, interpolate
+from derod.branches.half_rod.fields import Fields, evaluate_fields, interpolate, section_fields
 from derod.branches.half_rod.gauss import NODES, STAGES
 from derod.branches.half_rod.outcome import NotConverged
 from derod.branches.half_rod.state import HalfRod
@@ -29,11 +29,11 @@ MOST_ELEMENTS = 4000
 
 
 def density(state: HalfRod, fields: Fields) -> np.ndarray:
-    """Inverse natural length at the Gauss points (E, m): turning |m|, tension |n|^(1/2), wall
+    """Inverse natural length at the Gauss points (E, m): turning, tension |n|^(1/2), wall
     stiffness (d^2v/dr^2)^(1/4), the wall's cone 1/r and its pole; outside the drop it decays with
     the boundary layer. Raises NotConverged for a state outside the wall."""
     prm = state.parameters
-    turning = np.linalg.norm(fields.moments, axis=2)
+    turning = _turning(state, fields)
     tension = np.sqrt(np.linalg.norm(fields.forces, axis=2))
     radius = np.linalg.norm(fields.places, axis=2)
     out = 1.0 + turning + tension
@@ -52,6 +52,18 @@ def density(state: HalfRod, fields: Fields) -> np.ndarray:
     dry = slice(state.inner, None)
     out[dry] = 0.5 + (turning[dry] + tension[dry]) * np.maximum(layer[dry], 0.1)
     return out
+
+
+def _turning(state: HalfRod, fields: Fields) -> np.ndarray:
+    """|m| where K1 = K2; else |u|, or the rate of gyration of small rotations, mu_i/(k_j k_k)^(1/2)."""
+    if not state.parameters.anisotropic:
+        return np.asarray(np.linalg.norm(fields.moments, axis=2))
+    strains, first = section_fields(state, fields)
+    k3, k1, k2 = state.parameters.section
+    m, t = fields.moments, fields.tangents
+    along = [np.sum(m * d, axis=2) for d in (first, np.cross(t, first), t)]
+    rates = [x / np.sqrt(k) for x, k in zip(along, (k2 * k3, k1 * k3, k1 * k2), strict=True)]
+    return np.maximum(np.linalg.norm(strains, axis=2), np.linalg.norm(rates, axis=0))
 
 
 def _graded(points: np.ndarray, values: np.ndarray) -> np.ndarray:

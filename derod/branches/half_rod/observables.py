@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from derod.branches.half_rod.closure import jump
-from derod.branches.half_rod.fields import evaluate_fields
+from derod.branches.half_rod.fields import bending_strains, evaluate_fields
 from derod.branches.half_rod.gauss import WEIGHTS
 from derod.branches.half_rod.state import HalfRod
 
@@ -33,9 +33,12 @@ def observables(state: HalfRod) -> dict[str, float]:
     fields = evaluate_fields(state)
     weights = state.lengths[:, None] * WEIGHTS
     across = np.einsum("eki,eki->ek", fields.moments, fields.tangents)
-    bend = float(np.sum(weights * (np.sum(fields.moments**2, axis=2) - across**2)))
+    strains = bending_strains(state, fields)
+    bend = float(np.sum(weights * (np.sum(fields.moments * strains, axis=2) - across**2)))
     u3 = state.scalars[2]
     twist = 0.5 * prm.length * prm.twisting * u3 * u3
+    if prm.anisotropic:
+        twist = float(np.sum(weights * across**2)) / prm.twisting
     wet = slice(None, state.inner)
     gap = 1.0 + prm.wall_softness - 2.0 * np.linalg.norm(fields.places[wet], axis=2)
     wall = 2.0 * float(np.sum(weights[wet] * prm.wall_strength / gap))
@@ -64,4 +67,4 @@ def loops(state: HalfRod) -> float:
     """Turns of the tangent about e_x along the whole rod: 0 on Ax, j on L_j."""
     fields = evaluate_fields(state)
     weights = state.lengths[:, None] * WEIGHTS
-    return float(abs(np.sum(weights * fields.moments[:, :, 0])) / np.pi)
+    return float(abs(np.sum(weights * bending_strains(state, fields)[:, :, 0])) / np.pi)

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from derod.errors import SceneError
-from derod.scene.material import check_one_stiffness
 
 if TYPE_CHECKING:
     from derod.scene import Scene
+
+FLIP_TOLERANCE = 1e-9
+"""On (alpha_0 + alpha_L)/pi, which must be an integer."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,8 +32,51 @@ class Parameters:
     end_rotation: float = 0.0  # R
     weight: float = 0.0  # W of the drop, along -e_y
     bending: float = 1.0
-    """K/K0: all of the above is in units of K; what is reported is multiplied back to units of
+    """K1/K0: all of the above is in units of K1; what is reported is multiplied back to units of
     K0."""
+    bending_2: float = 1.0
+    """K2/K1, the stiffness of bending about d_2 over that about d_1."""
+    director: float = 0.0
+    """alpha_0: the angle from e_x to d_1 at the clamp s = 0. That at s = l is alpha_0 + R."""
+
+    def __post_init__(self) -> None:
+        """Refuse what has no flip-symmetric states. Raises ValueError."""
+        if not self.bending_2 > 0.0:
+            raise ValueError(f"bending_2 = {self.bending_2:g}: allowed: above 0")
+        if not self.anisotropic:
+            return
+        if not self.twisting > 0.0:
+            raise ValueError("twisting = 0: allowed with two bending stiffnesses: above 0")
+        if not flip_symmetric(self.director, self.end_rotation):
+            raise ValueError(
+                f"director = {self.director:g} and end_rotation = {self.end_rotation:g}: allowed with two "
+                "bending stiffnesses: alpha_0 = -alpha_L, up to multiples of pi"
+            )
+
+    @property
+    def anisotropic(self) -> bool:
+        """Whether there are two bending stiffnesses."""
+        return self.bending_2 != 1.0
+
+    @property
+    def isotropic(self) -> Parameters:
+        """The rod with K2 = K1."""
+        return replace(self, bending_2=1.0)
+
+    @property
+    def crossed(self) -> bool:
+        """Whether d_1, and not d_2, is along the flip axis e_y at the rod's middle.
+
+        The frame of the equations, d_2 = e_y there, is at -R/2 at the clamp s = 0; the material one at
+        alpha_0, and their difference, alpha_0 + R/2, is uniform and a multiple of pi/2.
+        """
+        return round((2.0 * self.director + self.end_rotation) / math.pi) % 2 == 1
+
+    @property
+    def section(self) -> np.ndarray:
+        """(k3, k_1, k_2): stiffnesses about d_3, d_1, d_2 of the equations' frame, K1."""
+        k = (self.bending_2, 1.0) if self.crossed else (1.0, self.bending_2)
+        return np.array([self.twisting, *k])
 
     @property
     def meniscus_wall(self) -> float:
@@ -49,22 +97,14 @@ class Parameters:
         return replace(self, weight=value)
 
     @classmethod
-    def from_scene(cls, scene: Scene) -> Parameters:
-        """Take the numbers of a scene, forces divided by its bending stiffness.
+    def from_scene(cls, scene: Scene, director: float = 0.0) -> Parameters:
+        """Take the numbers of a scene, forces divided by its bending stiffness K1.
 
-        Raises SceneError for a rod with two bending stiffnesses (the flip-symmetric equations are
-        those of isotropic rods), and for a drop without capillary force or wall.
+        ``director``: alpha_0, rad. Raises SceneError for a drop without capillary force or wall, and for
+        a rod with two bending stiffnesses that has no twisting stiffness or no flip-symmetric states.
         """
-        check_one_stiffness(scene)
         bending = scene.rod.bending
-        if not isinstance(bending, int | float):
-            raise SceneError(
-                "has no branches: the paper's boundary-value problem is for isotropic rods",
-                file=scene.path,
-                key="rod.bending",
-                value=bending,
-                allowed="one number",
-            )
+        bending_2 = scene.rod.bending_2 or bending
         for key in ("capillary_force", "wall_strength"):
             value = getattr(scene.require_drop(), key)
             if not value > 0.0:
@@ -75,6 +115,8 @@ class Parameters:
                     value=value,
                     allowed="> 0",
                 )
+        if bending_2 != bending:
+            _check_two(scene, director)
         return cls(
             length=scene.rod.length,
             twisting=scene.rod.twisting / bending,
@@ -84,4 +126,33 @@ class Parameters:
             end_rotation=scene.clamps.end_rotation,
             weight=scene.require_drop().weight / bending,
             bending=bending,
+            bending_2=bending_2 / bending,
+            director=director,
         )
+
+
+def _check_two(scene: Scene, director: float) -> None:
+    rotation = scene.clamps.end_rotation
+    if not scene.rod.twisting > 0.0:
+        raise SceneError(
+            "has no branches with two bending stiffnesses",
+            file=scene.path,
+            key="rod.twisting",
+            value=scene.rod.twisting,
+            allowed="> 0",
+        )
+    if not flip_symmetric(director, rotation):
+        raise SceneError(
+            "has no flip-symmetric states with two bending stiffnesses and d_1 at alpha_0 = "
+            f"{director:g} at the first clamp",
+            file=scene.path,
+            key="clamps.end_rotation",
+            value=rotation,
+            allowed="-2 alpha_0, up to multiples of pi",
+        )
+
+
+def flip_symmetric(director: float, rotation: float) -> bool:
+    """Whether alpha_0 = -alpha_L up to multiples of pi, alpha_L = alpha_0 + R."""
+    turns = (2.0 * director + rotation) / math.pi
+    return abs(turns - round(turns)) <= FLIP_TOLERANCE

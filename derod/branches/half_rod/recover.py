@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from derod.branches.half_rod.element import moment, quaternion_rate
+from derod.branches.half_rod.element import moment, quaternion_rate, tangent
 from derod.branches.half_rod.gauss import NODES
+from derod.branches.half_rod.section import add_section_rate, local_twist
 from derod.branches.half_rod.state import HalfRod
 
 
@@ -14,10 +15,15 @@ def stage_guess(state: HalfRod) -> np.ndarray:
     prm = state.parameters
     twist = (1.0 - prm.twisting) * state.scalars[2]
     rates = np.empty((len(state.nodes), 4))
-    m = np.empty(3)
+    m, t = np.empty(3), np.empty(3)
     for y, rate in zip(state.nodes, rates, strict=True):
         moment(state.scalars[0], state.scalars[1], y[0:3], y[7:10], m)
+        if prm.anisotropic:
+            tangent(y[3:7], t)
+            twist = local_twist(m, prm.section, t)
         quaternion_rate(m, twist, y[3:7], rate)
+        if prm.anisotropic:
+            add_section_rate(m, prm.section, y[3:7], rate)
     left = np.arange(state.eta.size) + (np.arange(state.eta.size) >= state.inner)
     h = state.lengths[:, None, None]
     a, b = state.nodes[left, None, 3:7], state.nodes[left + 1, None, 3:7]

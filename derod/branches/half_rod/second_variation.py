@@ -26,11 +26,13 @@ import numpy as np
 from numba import njit
 
 from derod.branches.half_rod.closure import jump
-from derod.branches.half_rod.element import moment, tangent, wall_gradient
-from derod.branches.half_rod.fields import evaluate_fields
+from derod.branches.half_rod.element import moment, tangent
+from derod.branches.half_rod.fields import evaluate_fields, section_fields
 from derod.branches.half_rod.front import eliminate
 from derod.branches.half_rod.gauss import MATRIX, NODES, STAGES, WEIGHTS
+from derod.branches.half_rod.section import bending_strain
 from derod.branches.half_rod.state import HalfRod
+from derod.branches.half_rod.wall_core import CORE, cored_wall
 
 RIGHT, RHO, CENTRE, CLAMP, TURN, SLIDE, SIZE = 6, 9, 12, 15, 18, 19, 20
 """Places in the front: phi at left, middle, right (from 0, 3, 6), rho, rho_C, multipliers."""
@@ -54,15 +56,33 @@ def _cross(a, out):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
-def add_rod(F, t, n, m, h, k3, raised):  # type: ignore[no-untyped-def]
-    """Add an element's own form, and ``raised`` |phi|^2, to the rotations' block.
+def _stiffness(t, first, section, K):  # type: ignore[no-untyped-def]
+    """K - 1 = sum of (k_i - 1) d_i d_i into K (3, 3), of the directors d_3 = t and d_1 = first."""
+    for i in range(3):
+        for j in range(3):
+            K[i, j] = (section[0] - 1.0) * t[i] * t[j]
+    if section[1] != 1.0:
+        for i in range(3):
+            for j in range(3):
+                K[i, j] += (section[1] - 1.0) * first[i] * first[j]
+    if section[2] != 1.0:  # d_2 d_2 = 1 - d_1 d_1 - d_3 d_3
+        for i in range(3):
+            for j in range(3):
+                rest = (1.0 if i == j else 0.0) - first[i] * first[j] - t[i] * t[j]
+                K[i, j] += (section[2] - 1.0) * rest
 
-    t, n, m (STAGES, 3) at its Gauss points.
+
+@njit(cache=True, error_model="numpy")
+def add_rod(F, t, first, n, m, h, section, raised):  # type: ignore[no-untyped-def]
+    """Add an element's own form, and sum of raised_i phi_i^2, to the rotations' block.
+
+    t, first (d_1), n, m (STAGES, 3) at its Gauss points.
     """
-    G = np.empty((3, 3))
+    G, K = np.empty((3, 3)), np.empty((3, 3))
     for k in range(STAGES):
         _cross(m[k], G)
-        pull = raised + n[k, 0] * t[k, 0] + n[k, 1] * t[k, 1] + n[k, 2] * t[k, 2]
+        _stiffness(t[k], first[k], section, K)
+        pull = n[k, 0] * t[k, 0] + n[k, 1] * t[k, 1] + n[k, 2] * t[k, 2]
         for a in range(3):
             for b in range(3):
                 bend = WEIGHTS[k] * SLOPE[k, a] * SLOPE[k, b] / h
@@ -71,11 +91,11 @@ def add_rod(F, t, n, m, h, k3, raised):  # type: ignore[no-untyped-def]
                 ba = 0.5 * WEIGHTS[k] * SHAPE[k, a] * SLOPE[k, b]
                 for i in range(3):
                     for j in range(3):
-                        value = bend * (k3 - 1.0) * t[k, i] * t[k, j]
+                        value = bend * K[i, j]
                         value -= 0.5 * load * (n[k, i] * t[k, j] + n[k, j] * t[k, i])
                         value -= ab * G[i, j] + ba * G[j, i]
                         if i == j:
-                            value += bend + load * pull
+                            value += bend + load * (pull + raised[i])
                         F[3 * a + i, 3 * b + j] += value
 
 
@@ -99,7 +119,7 @@ def move_to_left_end(F, t, h, W):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
-def add_wall(F, t, w, h, strength, softness):  # type: ignore[no-untyped-def]
+def add_wall(F, t, w, h, strength, softness, core):  # type: ignore[no-untyped-def]
     """Add int eta.(grad grad v) eta over a wetted element; places w (STAGES, 3) from the centre."""
     grad, H = np.empty(3), np.empty((3, 3))
     eta = np.zeros((3, 15))
@@ -108,7 +128,7 @@ def add_wall(F, t, w, h, strength, softness):  # type: ignore[no-untyped-def]
     for k in range(STAGES):
         _cross(t[k], T[k])
     for g in range(STAGES):
-        wall_gradient(w[g], strength, softness, grad, H)
+        cored_wall(w[g], strength, softness, core, grad, H)
         eta[:] = 0.0
         for k in range(STAGES):
             for a in range(3):
@@ -129,18 +149,19 @@ def add_wall(F, t, w, h, strength, softness):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
-def add_meniscus(F, y, cx, cz, force, strength, softness):  # type: ignore[no-untyped-def]
+def add_meniscus(F, y, cx, cz, section, force, strength, softness):  # type: ignore[no-untyped-def]
     """Add the meniscus in the rotation at RIGHT, rho and rho_C; its slip b is the slide's row.
 
     y (10,) is the state before the jump, ``force`` f_B.
     """
-    t, m, bend, turning = np.empty(3), np.empty(3), np.empty(3), np.empty(3)
+    t, m, u, bend, turning = np.empty(3), np.empty(3), np.empty(3), np.empty(3), np.empty(3)
     w = y[:3]
     tangent(y[3:7], t)
     moment(cx, cz, w, y[7:10], m)
+    bending_strain(m, section, y[3:7], u)
     for i in range(3):
         j, k = (i + 1) % 3, (i + 2) % 3
-        bend[i] = m[j] * t[k] - m[k] * t[j]  # d_3'
+        bend[i] = u[j] * t[k] - u[k] * t[j]  # d_3'
         turning[i] = t[j] * w[k] - t[k] * w[j]  # w.(phi x d_3) = phi.(d_3 x w)
     across = w[0] * t[0] + w[1] * t[1] + w[2] * t[2]
     curve = w[0] * bend[0] + w[1] * bend[1] + w[2] * bend[2]
@@ -174,8 +195,11 @@ def add_meniscus(F, y, cx, cz, force, strength, softness):  # type: ignore[no-un
 
 
 @njit(cache=True, error_model="numpy")
-def _sweep(nodes, h, inner, p, k3, strength, softness, force, raised, D, W, N, M, F):  # type: ignore[no-untyped-def]
-    """Fill F (SIZE, SIZE) with what is left at the middle; return the negative pivots, -1 if stuck."""
+def _sweep(nodes, h, inner, p, section, wall, force, raised, D, first, W, N, M, F):  # type: ignore[no-untyped-def]
+    """Fill F (SIZE, SIZE) with what is left at the middle; return the negative pivots, -1 if stuck.
+
+    ``wall``: v0, rho and the core's radius.
+    """
     count = h.size
     F[:] = 0.0
     for i in range(3):
@@ -185,10 +209,10 @@ def _sweep(nodes, h, inner, p, k3, strength, softness, force, raised, D, W, N, M
     negative = 0
     for e in range(count - 1, -1, -1):
         wet = e < inner
-        add_rod(F, D[e], N[e], M[e], h[e], k3, raised)
+        add_rod(F, D[e], first[e], N[e], M[e], h[e], section, raised)
         move_to_left_end(F, D[e], h[e], whole)
         if wet:
-            add_wall(F, D[e], W[e], h[e], strength, softness)
+            add_wall(F, D[e], W[e], h[e], wall[0], wall[1], wall[2])
         tangent(nodes[e if wet else e + 1, 3:7], t)
         for at in range(2):  # the turn e_z - d_3 of the left and of the middle rotation
             d = t if at == 0 else D[e, STAGES // 2]
@@ -213,7 +237,7 @@ def _sweep(nodes, h, inner, p, k3, strength, softness, force, raised, D, W, N, M
             for j in range(SIZE):
                 F[j, RIGHT + i], F[j, i] = F[j, i], 0.0
         if e == inner:
-            add_meniscus(F, nodes[inner], p[0], p[1], force, strength, softness)
+            add_meniscus(F, nodes[inner], p[0], p[1], section, force, wall[0], wall[1])
     y = nodes[-1, 1]  # r_C = (0, -w_y(l/2), 0): turning about the clamp axis moves it
     F[CENTRE, TURN] += y
     F[TURN, CENTRE] += y
@@ -221,10 +245,19 @@ def _sweep(nodes, h, inner, p, k3, strength, softness, force, raised, D, W, N, M
     return negative
 
 
-def condensed(state: HalfRod, raised: float = 0.0) -> tuple[int, np.ndarray]:
+def core_radius(state: HalfRod) -> float:
+    """The wall's core that the second variation of a state has: CORE where the rod runs through the
+    drop's centre, as all point-symmetric curves do, and none (0) elsewhere (D)."""
+    return 0.0 if state.nodes[0, :3].any() else CORE
+
+
+def condensed(
+    state: HalfRod, raised: float | np.ndarray = 0.0, core: float | None = None
+) -> tuple[int, np.ndarray]:
     """The negative pivots met from the clamp to the middle, and what is left there.
 
-    ``raised`` (K/D^2) is added to the form as raised |phi|^2.
+    ``raised`` (K/D^2), a number or one each for x, y and z, is added to the form as sum of raised_i
+    phi_i^2. ``core`` (D): of the wall, ``core_radius`` by default.
 
     The matrix (14, 14) is in phi(0), rho(0), rho_C, the multipliers of rho(clamp) = 0 (3), the turn
     and the slide (slip b = 0 of the meniscus), of the form of half a rod, in K0. Raises
@@ -237,17 +270,19 @@ def condensed(state: HalfRod, raised: float = 0.0) -> tuple[int, np.ndarray]:
         state.nodes[state.inner], float(state.scalars[5]), prm.meniscus_wall, after, jacobian
     )
     front = np.empty((SIZE, SIZE))
+    core = core_radius(state) if core is None else core
+    wall = np.array([prm.wall_strength, prm.wall_softness, core])
     negative = _sweep(
         state.nodes,
         state.lengths,
         state.inner,
         state.scalars[:4],
-        prm.twisting,
-        prm.wall_strength,
-        prm.wall_softness,
+        prm.section,
+        wall,
         force,
-        raised,
+        np.broadcast_to(np.asarray(raised, dtype=float), 3).copy(),
         fields.tangents,
+        section_fields(state, fields)[1],
         fields.places,
         fields.forces,
         fields.moments,

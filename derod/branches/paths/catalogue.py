@@ -3,7 +3,8 @@
 Ax: planar, from the straight rod's buckling. 3D: leaves Ax at its first pitchfork (end rotation
 0) or the twisted straight rod (end rotation 2 pi). L1, L2, ...: planar loops that a 3D path
 meets; 3D after L_j is named 3D-Lj. Pt: point-symmetric planar curve, reached from large f_gamma.
-Tri1, Tri2, ...: space paths of higher energy from the other pitchforks of Ax. With a weight there
+Tri1, Tri2, ...: space paths of higher energy from the other pitchforks of Ax. 3D-K2: with two bending
+stiffnesses, the path of what the round rod's 3D becomes, where no other path has it. With a weight there
 is no Pt; Ax, 3D, ... begin with the hanging rod, Ax-up, 3D-up, ... with the one upside down.
 """
 
@@ -32,9 +33,10 @@ from derod.branches.paths.beginning import buckled, loaded_start
 from derod.branches.paths.branch import Branch, store
 from derod.branches.paths.joints import flattened, nearest_joint, stop_in_plane
 from derod.branches.paths.newton import Settled
-from derod.branches.paths.path import Path
+from derod.branches.paths.path import Path, PathNotFound
 from derod.branches.paths.point_symmetric import point_symmetric_state
 from derod.branches.paths.special import branch_off
+from derod.branches.paths.stiff_path import stiffened_path
 from derod.branches.paths.tracing import (
     collect,
     end_reason,
@@ -197,6 +199,10 @@ class Catalogue:
                 return
             path = self.space_path("3D" + self.ending, origin, origin.pitchforks_ahead[0][0])
         yield path
+        yield from self._onward(path)
+
+    def _onward(self, path: Path) -> Iterator[Path]:
+        """L_j, 3D-Lj, L_k, ...: the paths that a space path leads to."""
         for _ in range(SUCCESSION_LIMIT):
             if len(path.joints) == 0 or path.joints[-1][0]:
                 return
@@ -206,7 +212,7 @@ class Catalogue:
             later = [
                 item for item in planar.pitchforks if item[1].point.arc > arrival.point.arc + 1e-9
             ]
-            if not later:
+            if not later or f"3D-{planar.name}" in self.paths:
                 return
             path = self.space_path(f"3D-{planar.name}", planar, later[0][0])
             yield path
@@ -218,6 +224,22 @@ class Catalogue:
             usual = end_reason(self.delta_limit)
             self.paths["Pt"], _ = self._both_ways("Pt", S_EVEN, S_ODD, settled, usual)
         return self.paths["Pt"]
+
+    def stiff(self) -> Iterator[Path]:
+        """The path of what the round rod's 3D becomes as K2/K1 changes, if no other path has it."""
+        if not self.parameters.anisotropic:
+            return
+        origin = next(Catalogue(self.parameters.isotropic, self.control).succession(), None)
+        if origin is None:
+            raise PathNotFound("3D-K2: the round rod has no path 3D")
+        known, tracer = self.paths.values(), self.tracer(FULL)
+        found = stiffened_path(origin, self.parameters, tracer, known, self.delta_limit)
+        if found is not None:
+            path, reason = found
+            self.paths[path.name] = path
+            self._join(path, reason)
+            yield path
+            yield from self._onward(path)
 
     def triangles(self) -> Iterator[Path]:
         """'Yet other paths': space paths from the pitchforks of Ax behind the first."""

@@ -26,7 +26,7 @@ def family(name: str) -> str:
         if name.startswith(head) and (
             not tail
             or (head in ("L", "Tri") and tail.rstrip("'").isdigit())
-            or (head == "3D" and tail.startswith("-L"))
+            or (head == "3D" and (tail.startswith("-L") or tail == "-K2"))
         ):
             return head
     raise ValueError(
@@ -113,6 +113,8 @@ def _trace_all(
         sound = trace("Ax" + ending, lambda: [catalogue.ax()])
     if families & {"3D", "L"} and sound:
         trace("3D" + ending, catalogue.succession)
+    if "3D" in families and planar_start and catalogue.parameters.anisotropic:
+        trace("3D-K2" + ending, catalogue.stiff)
     if "Pt" in families and planar_start and catalogue.parameters.weight == 0.0:
         trace("Pt", lambda: [catalogue.pt()])
     if "Tri" in families and planar_start and "Ax" + ending in catalogue.paths:

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
 
 from derod.branches.half_rod.mirror import FULL, Mirror
 from derod.branches.half_rod.observables import SCALED, observables
@@ -17,7 +16,7 @@ from derod.branches.half_rod.threads import one_blas_thread
 from derod.branches.paths.arc import Control
 from derod.branches.paths.catalogue import UPSIDE_DOWN, Catalogue
 from derod.branches.paths.path import Path, PathNotFound
-from derod.branches.paths.special import SpuriousPoint, locate
+from derod.branches.paths.special import SpuriousPoint
 from derod.branches.paths.stability import Stability, stability
 from derod.branches.paths.straight import NoBuckling
 from derod.branches.paths.weight import hung, loaded
@@ -100,7 +99,7 @@ def _at(
     """The states at one end-shortening, each once; ``start``: where all weightless paths come from."""
     out: list[HeavyState] = []
     for path in traced:
-        for light in _landings(path, delta):
+        for light in path.landings(delta):
             for upside_down in (False, True):
                 origin = path.name + (UPSIDE_DOWN if upside_down else "")
                 turned = hung(light, start, upside_down=upside_down)
@@ -109,19 +108,6 @@ def _at(
                     if not any(_same(found, other) for other in out):
                         out.append(found)
     return sorted(out, key=lambda found: found.values["energy_hat"])
-
-
-def _landings(path: Path, delta: float) -> Iterator[HalfRod]:
-    """The states of a traced path at an end-shortening."""
-    for left, right in pairwise(path.points):
-        a, b = left.state.end_shortening - delta, right.state.end_shortening - delta
-        if a * b < 0.0 or a == 0.0:
-            try:
-                yield locate(
-                    path.tracer, left, right, lambda p: p.state.end_shortening - delta, "landing"
-                ).point.state
-            except (NotConverged, SpuriousPoint):
-                continue
 
 
 def _loaded(

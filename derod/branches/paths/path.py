@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 
 from derod.branches.half_rod.mirror import Mirror
+from derod.branches.half_rod.outcome import NotConverged
+from derod.branches.half_rod.state import HalfRod
 from derod.branches.paths.arc import Point, Tracer
-from derod.branches.paths.special import SpecialPoint
+from derod.branches.paths.special import SpecialPoint, SpuriousPoint, locate
 
 
 class PathNotFound(ArithmeticError):  # noqa: N818 - the command line answers it with exit code 3
@@ -45,3 +49,19 @@ class Path:
         """
         turns = [s.point.arc for _, s in self.specials if s.kind == "fold" and s.point.arc < 0.0]
         return [item for item in self.pitchforks if item[1].point.arc > max(turns, default=-np.inf)]
+
+    def landings(self, delta: float) -> Iterator[HalfRod]:
+        """The states of the path at an end-shortening (D)."""
+        for left, right in pairwise(self.points):
+            a, b = left.state.end_shortening - delta, right.state.end_shortening - delta
+            if a * b < 0.0 or a == 0.0:
+                try:
+                    yield locate(
+                        self.tracer,
+                        left,
+                        right,
+                        lambda p: p.state.end_shortening - delta,
+                        "landing",
+                    ).point.state
+                except (NotConverged, SpuriousPoint):
+                    continue

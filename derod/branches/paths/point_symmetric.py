@@ -24,7 +24,7 @@ from derod.branches.paths.tracing import collect, end_reason
 END_SHORTENING = 1.1 * math.pi
 """Where f_gamma is lowered (D)."""
 FACTORS = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0)
-"""Multiples of f_gamma at which the second buckling mode is looked for."""
+"""Multiples of f_gamma, times the stiffness about e_y over K1, at which the second mode is looked for."""
 
 
 def point_symmetric_state(parameters: Parameters, control: Control) -> Settled:
@@ -58,8 +58,9 @@ def point_symmetric_state(parameters: Parameters, control: Control) -> Settled:
 
 def _second_mode(parameters: Parameters) -> tuple[Parameters, float]:
     """The rod in the weakest liquid tried in which its second mode buckles, and the tension there."""
+    stiffness = float(parameters.section[2])
     for factor in FACTORS:
-        strong = parameters.with_capillary_force(factor * parameters.capillary_force)
+        strong = parameters.with_capillary_force(factor * stiffness * parameters.capillary_force)
         try:
             return strong, buckling_tensions(strong, STRAIGHT_S)[0]
         except NoBuckling:

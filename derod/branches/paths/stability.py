@@ -4,9 +4,11 @@ The second variation (``second_variation``) is counted by the signs of pivots. A
 state splits it into flip-even and flip-odd variations of half the rod. Two flip-odd variations need
 care:
 
-- *Turning* the coil about the clamp axis (phi = e_z - d_3) costs nothing where the drop has no weight. It
-  is penalised then and never counted. With a weight it is a variation like others, and is counted: turned
-  by a the rod keeps its energy, and W y_C becomes W y_C cos a, so that by itself it costs -W y_C a^2/2.
+- *Turning* the coil about the clamp axis (phi = e_z - d_3) costs nothing where the drop has no weight and
+  the rod one bending stiffness. It is penalised then and never counted. With a weight it is a variation
+  like others, and is counted: turned by a the rod keeps its energy, and W y_C becomes W y_C cos a, so that
+  by itself it costs -W y_C a^2/2. With two stiffnesses it is counted too: the coil turns in the clamps'
+  directors.
 - *Sliding* the drop along the rod (rho = e_z - d_3): both menisci move along the rod by the same
   length c, all else follows. k = d^2E/dc^2, with everything else relaxed, is what the clamps'
   boundary layers make of it: about 2 |m|^2 sqrt(t) for a long outer rod, m the bending moment at a
@@ -93,14 +95,33 @@ def stability(state: HalfRod, *, critical: bool = False) -> Stability:
 
 def _counted(state: HalfRod, critical: bool) -> Stability:
     """The counts on the state's own mesh."""
-    negative, left = condensed(state, NEUTRAL if critical else 0.0)
-    even = negative + negative_eigenvalues(_of_class(left, odd=False)) - CLAMP_ROWS
-    neutral = state.weight == 0.0
-    block = _of_class(left, odd=True, turn=neutral)
-    odd = negative + negative_eigenvalues(block) - CLAMP_ROWS - 1 - neutral  # slide, and turn
+    even, odd, block = _parts(state, NEUTRAL if critical else 0.0)
     # half a rod's form is x.F x = k c^2/2; the corner of the bordered inverse is -k/2
     stiffness = -2.0 * float(np.linalg.inv(block)[-1, -1])
     return Stability(even, odd, stiffness, clamp_moment(state))
+
+
+def counts(
+    state: HalfRod, raised: float | np.ndarray, core: float | None = None
+) -> tuple[int, int]:
+    """Numbers of unstable flip-even and flip-odd modes, the drop held in its place along the rod.
+
+    ``raised`` and ``core`` as in ``condensed``: rotations about axes that are raised much take no part.
+    """
+    even, odd, _ = _parts(state, raised, core)
+    return even, odd
+
+
+def _parts(
+    state: HalfRod, raised: float | np.ndarray, core: float | None = None
+) -> tuple[int, int, np.ndarray]:
+    """Even and odd counts, and the odd block that is left at the middle."""
+    negative, left = condensed(state, raised, core)
+    even = negative + negative_eigenvalues(_of_class(left, odd=False)) - CLAMP_ROWS
+    neutral = state.weight == 0.0 and not state.parameters.anisotropic
+    block = _of_class(left, odd=True, turn=neutral)
+    odd = negative + negative_eigenvalues(block) - CLAMP_ROWS - 1 - neutral  # slide, and turn
+    return even, odd, block
 
 
 def clamp_moment(state: HalfRod) -> float:
