@@ -49,7 +49,7 @@ def test_endings(run, tmp_path, ending, head):
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["plot", "RUN", "-k", "modes"], "--kind = modes: allowed: path, shapes"),
+        (["plot", "RUN", "-k", "nothing"], "--kind = nothing: allowed: path, shapes"),
         (["plot", "RUN", "-o", "DIR/a.jpg"], "DIR/a.jpg: allowed: a name that ends in .png"),
         (["plot", "RUN", "-o", "DIR/no/a.png"], "no such folder"),
         (["plot", "RUN", "--at", "0.6x"], "--at = '0.6x': is not understood as a number"),

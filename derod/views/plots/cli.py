@@ -16,7 +16,7 @@ def add_plot_parser(commands: Any) -> None:
         "plot",
         help="draw a picture of runs and branches",
         description="Draw a picture of run files and branch files. Kinds:\n"
-        + "\n".join(f"  {name:10} {kind.shows} ({kind.wants})" for name, kind in KINDS.items()),
+        + "\n".join(f"  {name:11} {kind.shows} ({kind.wants})" for name, kind in KINDS.items()),
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("files", nargs="+", metavar="FILE", help="run or branch file (HDF5)")
@@ -31,7 +31,14 @@ def add_plot_parser(commands: Any) -> None:
         "--paths", default="", metavar="A,B", help="branches to draw, e.g. Ax,3D (all)"
     )
     parser.add_argument(
-        "--every", type=int, default=1, metavar="N", help="compare every n-th increment (1)"
+        "--every",
+        type=int,
+        default=1,
+        metavar="N",
+        help="compare, eigenvalues: every n-th increment (1)",
+    )
+    parser.add_argument(
+        "--modes", type=int, default=3, metavar="N", help="modes, eigenvalues: how many (3)"
     )
     parser.add_argument(
         "-o", "--output", metavar="OUT", help=".png, .pdf or .svg (FILE-KIND.png, beside FILE)"
@@ -59,13 +66,17 @@ def run_plot(args: argparse.Namespace) -> int:
         check_target(Path(output), args.force, ENDINGS)
     places = read_places(args.at, "--at") if args.at.strip() else ()
     need_matplotlib()
-    with naming_options("at", "paths", "every", "style", "dpi"), open_files(args.files) as files:
+    with (
+        naming_options("at", "paths", "every", "modes", "style", "dpi"),
+        open_files(args.files) as files,
+    ):
         plot(
             args.kind,
             [*files.runs, *files.branches],
             at=places,
             paths=[name.strip() for name in args.paths.split(",") if name.strip()],
             every=args.every,
+            modes=args.modes,
             output=output,
             force=args.force,
             show=args.show,

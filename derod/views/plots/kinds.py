@@ -43,6 +43,14 @@ KINDS = {
         "derod.views.plots.kymograph", "curvature and tension along the rod against delta",
         (1, 1), (0, 0), "one run file",
     ),
+    "modes": Kind(
+        "derod.views.plots.modes", "the softest modes at given end-shortenings",
+        (1, 1), (0, 0), "one run file",
+    ),
+    "eigenvalues": Kind(
+        "derod.views.plots.eigenvalues", "the lowest eigenvalues against delta",
+        (1, 1), (0, 0), "one run file",
+    ),
     "compare": Kind(
         "derod.views.plots.compare", "errors of a push, held against the branches",
         (1, math.inf), (1, 1), "run files and one branch file",
@@ -53,11 +61,12 @@ KINDS = {
 
 @dataclass(frozen=True)
 class Options:
-    """What a picture may be told: end-shortenings (D), names of branches, every n-th increment."""
+    """What a picture may be told: end-shortenings (D), names of branches, every n-th increment, modes."""
 
     at: tuple[float, ...] = ()
     paths: tuple[str, ...] = ()
     every: int = 1
+    modes: int = 3
 
 
 def read_places(at: Sequence[str | float] | str, key: str = "at") -> tuple[float, ...]:

@@ -68,6 +68,7 @@ LABELS = {
     "energy_hat": r"energy  $\hat{E}$   ($K_0/D$)",
     "increment": "increment  (the push turns back)",
     "energy": r"energy  $E$   ($K_0/D$)",
+    "eigenvalue": r"lowest eigenvalues  $\lambda$   ($K_0/D^4$)",
     "s": r"arc length from the middle  $s$   ($D$)",
     "curvature": r"curvature  $\kappa$   ($1/D$)",
     "edge_tension": r"tension  $\mathbf{n}\cdot\mathbf{d}_3$   ($K_0/D^2$)",
