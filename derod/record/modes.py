@@ -23,7 +23,7 @@ from derod.equilibrium.system import System
 from derod.errors import DerodError
 from derod.pushing.encode import decode
 from derod.rod.state import State, in_space
-from derod.rod.unknowns import S_A, S_B, X_C
+from derod.rod.unknowns import F_A, S_A, S_B, X_C
 from derod.scene.program import legs
 
 if TYPE_CHECKING:
@@ -69,6 +69,10 @@ def modes(run: BaseRun, i: int, k: int) -> Modes:
         if shift > LARGEST_SHIFT:
             raise ModesError(f"increment {i}: no shift makes the Hessian positive")
     weight, border_weight = inertia(system, state)
+    if (
+        not system.physics.drop
+    ):  # the rows of a drop that is not there have a stiffness of their own
+        border_weight[: F_A + system.dimension] = 0.0
     metric = np.concatenate([weight.ravel(), border_weight])
     free = metric > 0
     root = np.sqrt(metric[free])

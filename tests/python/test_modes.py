@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
+import derod
 from derod.equilibrium.stability import lowest_mode
 from derod.equilibrium.system import System
 from derod.pushing.encode import decode
@@ -91,3 +93,21 @@ def test_planar_rods_and_what_is_refused(run: BaseRun) -> None:
             run.modes(-1, k)
     with pytest.raises(IndexError):
         run.modes(10_000)
+
+
+def test_a_beam_under_tension_without_a_drop() -> None:
+    # K y_ssss - T y_ss = lambda y between clamps: in pairs, and no rows of a drop that is not there
+    tension = 10.0
+
+    def determinant(value: float) -> float:
+        root = np.sqrt(tension**2 + 4 * value)
+        a, b = np.sqrt((root + tension) / 2), np.sqrt((root - tension) / 2)
+        return float(
+            2 * a * b * (1 / np.cosh(a) - np.cos(b)) + (a**2 - b**2) * np.tanh(a) * np.sin(b)
+        )
+
+    exact = [brentq(determinant, 500, 1000), brentq(determinant, 3000, 6000)]
+    scene = derod.Scene("greenhill", {"mesh.edges": 60, "push.stop": "0.01 pi"})
+    found = derod.push(scene).modes(0, 4)
+    assert found.eigenvalues == pytest.approx(np.repeat(exact, 2), rel=3e-4)
+    assert not found.menisci.any() and not found.drop.any()

@@ -1,8 +1,8 @@
 """The softest modes at given end-shortenings: how the rod moves, seen and along its length.
 
 Each mode is a column: the rod, coloured by how far it moves, between where the mode takes it and its
-opposite; below, the displacement along three directions against arc length from the middle. Its largest
-component is 1. Without end-shortenings the last increment is shown.
+opposite; below, the displacement along three directions against arc length from the middle. The largest
+of these is 1. Without end-shortenings the last increment is shown.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from derod.scene.axis import END_SHORTENING, axis_of
 from derod.views.plots.kinds import Options
 from derod.views.plots.painter import RADIUS, finer, paint_shape, turned
 from derod.views.plots.path import DASHES
@@ -79,11 +80,12 @@ def heading(run: Any, i: int) -> str:
     row = run.table[i]
     count = int(row["unstable_modes"])
     words = "stable" if count == 0 else f"{count} unstable mode{'s' * (count > 1)}"
-    delta = float(row["end_shortening"])
-    return (
-        rf"$\delta$ = {delta / np.pi:.4g}$\,\pi$ = {delta:.4g}$\,D$,  "
-        rf"$t = {row['end_tension']:.2f}\,K_0/D^2$,  {words}"
-    )
+    axis = axis_of(run.scene, int(row["segment"]))
+    value = float(row[axis.column])
+    where = f"{axis.name} {axis.both(value)}"
+    if axis is END_SHORTENING:
+        where = rf"$\delta$ = {value / np.pi:.4g}$\,\pi$ = {value:.4g}$\,D$"
+    return rf"{where},  $t = {row['end_tension']:.2f}\,K_0/D^2$,  {words}"
 
 
 def draw_views(
@@ -122,7 +124,9 @@ def draw_components(
         axes.axvspan(*menisci, color=theme.water, alpha=0.25, linewidth=0, label="in the drop")
     axes.axhline(0, color=theme.faint, linewidth=0.8)
     hues = (theme.paths["3D"], theme.paths["Ax"], theme.paths["L2"])
-    for name, values, color in zip(DIRECTIONS, frame @ mode.T, hues, strict=True):
+    parts = frame @ mode.T
+    parts /= max(float(np.abs(parts).max()), 1e-300)
+    for name, values, color in zip(DIRECTIONS, parts, hues, strict=True):
         axes.plot(s, values, color=color, linewidth=1.5, label=name, gid=f"component {name}")
     axes.set_xlim(float(s[0]), float(s[-1]))
     axes.set_ylim(-1.12, 1.12)
