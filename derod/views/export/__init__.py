@@ -1,4 +1,4 @@
-"""Runs and branches for other programs: CSV tables, and VTK files for ParaView.
+"""Runs and branches for other programs: CSV tables, VTK files for ParaView, H5MD trajectories.
 
 ::
 
@@ -6,6 +6,7 @@
 
     export(run, "coil.csv")
     export(run, "vtk/coil.pvd")
+    export(run, "coil.h5md")
     export(branches, "branches.csv")
 """
 
@@ -18,16 +19,18 @@ from typing import Any
 from derod.exits import UsageError
 from derod.views.export.output import check_target, write_file
 
+ENDINGS = ("csv", "pvd", "h5md")
+
 
 def export(file: Any, output: str | os.PathLike[str], *, force: bool = False) -> list[Path]:
-    """Write an open run or branch file as ``output``: .csv, or (runs) .pvd. Returns the files written.
+    """Write an open run or branch file as ``output``: .csv, or (runs) .pvd, .h5md.
 
-    What is there is only replaced with ``force``. Raises UsageError.
+    Returns the files written. What is there is only replaced with ``force``. Raises UsageError.
     """
     path = Path(output)
     is_branches = hasattr(file, "parameters")
-    check_target(path, force, ("csv", "pvd"))
-    if is_branches and path.suffix.lower() == ".pvd":
+    check_target(path, force, ENDINGS)
+    if is_branches and path.suffix.lower() != ".csv":
         raise UsageError(
             f"{file.path}: is a branch file; allowed for {path}: a run file (derod push)"
         )
@@ -39,6 +42,10 @@ def export(file: Any, output: str | os.PathLike[str], *, force: bool = False) ->
         return [path]
     if not len(file):
         raise UsageError(f"{file.path or 'a run in memory'}: has no increment to export")
+    if path.suffix.lower() == ".h5md":
+        from derod.views.export.h5md import write_h5md
+
+        return write_h5md(file, path, force)
     from derod.views.export.series import write_series
 
     return write_series(file, path, force)

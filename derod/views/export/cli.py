@@ -9,16 +9,20 @@ from derod.exits import DONE
 
 
 def add_export_parser(commands: Any) -> None:
-    """``derod export FILE -o OUT.csv|OUT.pvd``."""
+    """``derod export FILE -o OUT.csv|OUT.pvd|OUT.h5md``."""
     parser = commands.add_parser(
         "export",
-        help="write a run or branches for other programs: CSV, VTK",
+        help="write a run or branches for other programs: CSV, VTK, H5MD",
         description="Write a run file or a branch file as a CSV table, or a run as a time series of VTK "
-        "files (ParaView): OUT.pvd, and a folder OUT beside it.",
+        "files (ParaView): OUT.pvd, and a folder OUT beside it; or as an H5MD trajectory (MDAnalysis).",
     )
     parser.add_argument("file", metavar="FILE", help="run or branch file (HDF5)")
     parser.add_argument(
-        "-o", "--output", required=True, metavar="OUT", help="OUT.csv, or OUT.pvd of a run"
+        "-o",
+        "--output",
+        required=True,
+        metavar="OUT",
+        help="OUT.csv, or OUT.pvd, OUT.h5md of a run",
     )
     parser.add_argument("--force", action="store_true", help="replace OUT if it exists")
     parser.set_defaults(command=run_export, writes=False)
