@@ -81,7 +81,7 @@ def branch(
         _compute(passing, parameters, made, settings, False, progress)
         file = Branches(passing)
         file.values()  # read: the file is gone when this returns
-        file.path = Path("branches in memory")
+        file.path = Path("in memory")
         return file
 
 

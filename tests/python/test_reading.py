@@ -176,7 +176,9 @@ def test_branches_in_memory_and_paths_that_are_not_met() -> None:
             coil(), paths=["Ax", "L7"], max_step=0.5, accuracy=1e-5, stability=False
         )
     assert file.names == ["Ax"] and not Path(file.path).exists()
-    assert file["Ax"].positions(3).shape[1] == 3 and "branches in memory" in repr(file)
+    assert file["Ax"].positions(3).shape[1] == 3 and repr(file).startswith(
+        "<branches in memory: Ax"
+    )
 
 
 def test_a_reader_of_runs_gets_no_kernels(tmp_path: Path) -> None:
