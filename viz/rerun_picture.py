@@ -10,15 +10,17 @@ import argparse
 import sys
 import tempfile
 import time
+from io import BytesIO
 from pathlib import Path
 
 from derod.cli import carry_out
 from derod.files.outputs import check_output, replacing
 from derod.terminal import say_done
 from derod.views.stream.replay import replay_file
-from derod.views.stream.target import parse_target
-from derod.views.stream.viewers import VIEWER_MEMORY, close_recording, free_port, program
+from derod.views.stream.target import parse_target, proxy_url
+from derod.views.stream.viewers import HOST, close_recording, free_port, start_viewer
 
+BAR = 0.0195  # of the picture's width: how high the viewer's top bar is
 SETTLE = 12.0  # s until the viewer has loaded everything and its notices are gone
 
 
@@ -48,16 +50,16 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def picture(recording: str, timeline: str, value: float, width: int) -> bytes:
-    """The PNG of a headless viewer that shows ``recording`` at a time; -1 is its end."""
+    """The PNG of a headless viewer that shows ``recording`` at a time; -1 is its end.
+
+    The viewer listens on this machine only. Its own bar, with badges about this machine, is cut off.
+    """
     from rerun.experimental import ViewerClient
 
-    viewer = ViewerClient.spawn(
-        headless=True,
-        port=free_port(9881),
-        memory_limit=VIEWER_MEMORY,
-        executable_path=program()[0],
-    )
+    port = free_port(9881)
+    process = start_viewer(port, None, options=["--headless"])
     try:
+        viewer = ViewerClient(proxy_url(HOST, port))
         viewer.open(recording)
         time.sleep(SETTLE)
         if value >= 0:
@@ -66,9 +68,20 @@ def picture(recording: str, timeline: str, value: float, width: int) -> bytes:
             else:
                 viewer.set_time(timeline, sequence=int(value), play_state="paused")
         time.sleep(2.0)
-        return viewer.take_screenshot(max_size=width)
+        return without_bar(viewer.take_screenshot(max_size=width))
     finally:
-        viewer.quit()
+        process.terminate()
+        process.wait()
+
+
+def without_bar(png: bytes) -> bytes:
+    """The picture without the viewer's top bar."""
+    from PIL import Image
+
+    image = Image.open(BytesIO(png))
+    out = BytesIO()
+    image.crop((0, round(BAR * image.width), image.width, image.height)).save(out, "PNG")
+    return out.getvalue()
 
 
 if __name__ == "__main__":

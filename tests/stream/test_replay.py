@@ -5,6 +5,7 @@ import time
 import numpy as np
 import pytest
 
+from derod.branches import Parameters
 from derod.record import RunWriter, open_run
 from derod.views.stream.replay import lowest_sheet, replay_branches, replay_file, sheets
 from derod.views.stream.target import parse_target
@@ -66,6 +67,8 @@ def test_the_command(run_file, tmp_path):
 class Branch:
     """Looks like a branch of ``derod.open_branches``."""
 
+    parameters = Parameters()
+
     def __init__(self, points: int) -> None:
         self.table = np.zeros(
             points, [("end_shortening", "f8"), ("end_tension", "f8"), ("energy_hat", "f8")]
@@ -94,6 +97,7 @@ def test_branches_have_an_entity_a_path(tmp_path):
     replay_branches(recording, {"Ax": Branch(10), "3D-L2": Branch(7)})
     assert close_recording(recording, 20) is None
     contents = read_rrd(target)
+    assert "LineStrips3D:strips" in contents["world/drop/edge"].static
     for name, points in (("Ax", 10), ("3D-L2", 7)):
         rods = contents[f"world/branches/{name}"]
         assert rods.times["point"] == list(range(points))

@@ -94,6 +94,10 @@ def test_a_file_holds_every_increment_on_its_timelines(tmp_path):
     words = [text[0] for text in contents["events"].values("TextLog:text")]
     assert len(words) == len(memory.events) + 1
     assert words[0].startswith("instability at")
+    assert {level[0] for level in contents["events"].values("TextLog:level")} == {"INFO"}
+    for entity in ("scale", "menisci", "wall", "edge", "director"):
+        assert contents[f"legend/{entity}"].static, entity
+    assert "LineStrips3D:strips" in contents["world/drop/edge"].static
     assert words[-1].startswith("completed")
     assert contents.blueprints == 1
 

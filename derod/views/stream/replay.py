@@ -54,11 +54,15 @@ def replay_branches(recording: Any, branches: Any) -> None:
     import rerun as rr
 
     from derod.views.stream.blueprint import branch_blueprint
+    from derod.views.stream.legend import wall_edge
     from derod.views.stream.stage import drop_mesh, send_column
 
     recording.send_blueprint(branch_blueprint(list(branches)))
     recording.log("world", rr.ViewCoordinates.RIGHT_HAND_Y_UP, static=True)
     recording.log("world/drop/surface", drop_mesh(), static=True)
+    for branch in list(branches.values())[:1]:  # all are of one drop
+        edge = wall_edge(branch.parameters.wall_softness)
+        recording.log("world/drop/edge", edge, static=True)
     for number, (name, branch) in enumerate(branches.items()):
         place = rr.escape_entity_path_part(name)
         tint = PATH_COLORS[number % len(PATH_COLORS)]

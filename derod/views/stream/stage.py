@@ -23,6 +23,7 @@ from derod.views.stream.drawing import (
     SIDES,
     Column,
 )
+from derod.views.stream.legend import EDGE, draw_legend, wall_edge
 
 WATER = (120, 175, 235, 46)
 BRASS = (196, 160, 92, 255)
@@ -42,13 +43,8 @@ SERIES = {
 }
 """Names and colours of the time series."""
 
-LEVELS = {
-    "instability": "WARN",
-    "snap": "WARN",
-    "halving": "INFO",
-    "turn": "INFO",
-    "resume": "INFO",
-}
+TINTS = {"instability": ORANGE, "snap": ORANGE, "coarse": RED}
+"""Colours of events in the log; a push that loses its stability is no warning, a coarse mesh is."""
 
 
 class Stage:
@@ -63,6 +59,7 @@ class Stage:
         self._static("world", rr.ViewCoordinates.RIGHT_HAND_Y_UP)
         if scene.drop is not None:
             self._static("world/drop/surface", drop_mesh())
+            self._static("world/drop/edge", wall_edge(scene.drop.wall_softness))
         block = rr.Boxes3D(
             centers=[[0, 0, 0]], half_sizes=[[0.05, 0.05, 0.02]], colors=[BRASS], fill_mode="solid"
         )
@@ -74,6 +71,8 @@ class Stage:
         self._static("world/menisci/points", rr.Points3D.from_fields(colors=[RED], radii=0.03))
         self._static("world/menisci/forces", _arrows(RED, 0.009))
         self._static("world/wall", _arrows(PINK, 0.0025))
+        keys = {"menisci": RED, "wall": PINK, "director": WHITE, "edge": EDGE}
+        draw_legend(recording, scale, keys, scene.drop is not None)
         for entity, (name, tint) in SERIES.items():
             self._static(entity, rr.SeriesLines(names=name, colors=[tint], widths=1.8))
         self._static(
@@ -120,7 +119,8 @@ class Stage:
             ],
             columns=rr.TextLog.columns(
                 text=[event_text(event) for event in events],
-                level=[LEVELS.get(event.kind, "INFO") for event in events],
+                level=["WARN" if event.kind == "coarse" else "INFO" for event in events],
+                color=[TINTS.get(event.kind, WHITE) for event in events],
             ),
         )
 
@@ -136,6 +136,7 @@ class Stage:
             columns=rr.TextLog.columns(
                 text=[f"{ending.outcome.replace('_', ' ')}: {ending.message}"],
                 level=["INFO" if ending.outcome == "completed" else "ERROR"],
+                color=[WHITE if ending.outcome == "completed" else RED],
             ),
         )
 
@@ -192,5 +193,6 @@ def about(scene: Scene, color: str) -> str:
         f"The rod is coloured by {color}. The white line on it is the material d1: it winds where "
         "the rod is twisted. Orange: menisci and their pull (1 K0/D² = "
         f"{FORCE:g} D). Pink: the wall's push on the rod (1 K0/D³ = {PUSH:g} D).\n\n"
-        "Timeline *end_shortening*: δ in D, written as seconds."
+        "Thin circles: where the soft wall is singular; the rod leaves the drop a little.\n\n"
+        "Timeline *end_shortening*: δ in D, written as seconds: rerun has no other real-valued one."
     )

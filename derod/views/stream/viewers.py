@@ -11,7 +11,7 @@ import socket
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -110,15 +110,18 @@ def program() -> list[str]:
 
 
 def start_viewer(
-    port: int, web_port: int | None, waiting: Callable[[], None] = lambda: None
+    port: int,
+    web_port: int | None,
+    waiting: Callable[[], None] = lambda: None,
+    options: Sequence[str] = (),
 ) -> subprocess.Popen[bytes]:
     """Start a native viewer, or with ``web_port`` a server of the web viewer; wait until it
-    listens.
+    listens. ``options``: more words of its command line.
 
     It is a session of its own: it outlives us, and our Ctrl-C does not reach it.
     """
     command = [*program(), "--bind", HOST, "--port", str(port)]
-    command += ["--memory-limit", VIEWER_MEMORY, "--server-memory-limit", SERVER_MEMORY]
+    command += ["--memory-limit", VIEWER_MEMORY, "--server-memory-limit", SERVER_MEMORY, *options]
     if web_port is None:
         command += ["--hide-welcome-screen", "--expect-data-soon"]
     else:
