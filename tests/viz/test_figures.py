@@ -258,3 +258,28 @@ def test_paper_knows_what_to_compute(tmp_path):
     from pathlib import Path
 
     assert all(Path(scene).is_file() for scene in scenes)
+
+
+def test_sketch_names_the_parts(theme):
+    import sketch
+
+    import derod
+
+    run = derod.push(derod.Scene("quick", sketch.CHANGES))
+    (axes,) = sketch.figure(run, theme).axes
+    names = {text.get_text() for text in axes.texts}
+    assert {"start clamp", "end clamp", "drop", r"$A$", r"$B$", r"$\delta$", r"$t$"} <= names
+    assert len([patch for patch in axes.patches if patch.get_gid() == "meniscus"]) == 2
+    assert len([patch for patch in axes.patches if patch.get_gid() == "clamp"]) == 2
+
+
+def test_the_viewers_bar_is_cut_off():
+    from io import BytesIO
+
+    import rerun_picture
+    from PIL import Image
+
+    out = BytesIO()
+    Image.new("RGB", (1000, 600)).save(out, "PNG")
+    cut = Image.open(BytesIO(rerun_picture.without_bar(out.getvalue())))
+    assert cut.size == (1000, 600 - round(1000 * rerun_picture.BAR))
