@@ -85,8 +85,9 @@ def test_what_is_missing_is_named(folder: Path, words: str, told: str) -> None:
         run(folder, *["push", "quick", "--edges", "60", "--stop", "0.1", "--quiet"])
     before = sorted(folder.iterdir())
     done = run(folder, *words.split())
-    assert done.returncode == 2 and done.stderr.startswith(f"derod: error: {told}"), done.stderr
-    assert done.stderr.count("\n") == 1 and sorted(folder.iterdir()) == before
+    assert done.returncode == 2 and f"derod: error: {told}" in done.stderr, done.stderr
+    lines = [line for line in done.stderr.splitlines() if not line.endswith("; loading kernels")]
+    assert len(lines) == 1 and sorted(folder.iterdir()) == before
 
 
 def test_the_requirements_of_a_worker_are_the_package_without_its_viewers() -> None:

@@ -71,7 +71,7 @@ def test_a_dead_load(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None
         assert run.modes(-1, 1).eigenvalues[0] > 0 and run.modes(-1, 1).shapes[0, -1, 2] != 0
     assert cli.main(["push", "--resume", out, "--stop", "4.5"]) == 2
     error = capsys.readouterr().err
-    assert error.startswith("derod: error: --stop = '4.5' = 4.5 K0/D^2 has been passed"), error
+    assert "\nderod: error: --stop = '4.5' = 4.5 K0/D^2 has been passed" in error, error
     assert "at least 5 K0/D^2, where the run is" in error
     assert cli.main(["push", "--resume", out, "--stop", "5.5", "--quiet"]) == 0
 
