@@ -58,8 +58,8 @@ def test_a_push_that_gets_there(scene: str, out: str, capsys: Captured) -> None:
         assert run.table["end_shortening"][-1] == 0.06 * math.pi
     assert cli.main(["push", "--resume", out, "--stop", "0.03 pi"]) == 2
     error = capsys.readouterr().err
-    assert error.startswith(
-        "derod: error: --stop = '0.03 pi' = 0.0942478 D (0.03 pi) has been passed"
+    assert "\nderod: error: --stop = '0.03 pi' = 0.0942478 D (0.03 pi) has been passed" in error, (
+        error
     )
     assert "at least 0.188496 D (0.06 pi)" in error
 
