@@ -78,3 +78,9 @@ def test_formulas_are_mathml_and_nothing_is_loaded_from_elsewhere(site: Path) ->
         text = page.read_text(encoding="utf-8")
         assert 'class="arithmatex"' not in text, page
         assert not RESOURCE.search(text), (page, RESOURCE.search(text))
+
+
+def test_the_reference_of_scenes_is_what_the_keys_say() -> None:
+    """If this fails: python runs/scene_reference.py."""
+    command = [sys.executable, str(ROOT / "runs" / "scene_reference.py"), "--check"]
+    assert subprocess.run(command, env=environment(), check=False).returncode == 0
