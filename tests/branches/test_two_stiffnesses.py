@@ -298,6 +298,9 @@ def test_the_stiffened_path(strip):
 def test_a_stiffened_path_that_is_known_is_not_traced_again(flat):
     assert list(flat.stiff()) == []
     assert list(Catalogue(FIGURES, FAST).stiff()) == []
+    heavy = Catalogue(replace(FIGURES, bending_2=4.0, weight=1.0), FAST)
+    assert list(heavy.stiff()) == []
+    assert family("S'") == "Pt"
 
 
 # -- parameters, scenes, files

@@ -226,8 +226,11 @@ class Catalogue:
         return self.paths["Pt"]
 
     def stiff(self) -> Iterator[Path]:
-        """The path of what the round rod's 3D becomes as K2/K1 changes, if no other path has it."""
-        if not self.parameters.anisotropic:
+        """The path of what the round rod's 3D becomes as K2/K1 changes, if no other path has it.
+
+        Of weightless drops only.
+        """
+        if not self.parameters.anisotropic or self.parameters.weight != 0.0:
             return
         origin = next(Catalogue(self.parameters.isotropic, self.control).succession(), None)
         if origin is None:

@@ -16,11 +16,15 @@ from derod.branches.paths.straight import NoBuckling
 
 FAMILIES = ("Ax", "3D", "L", "Pt", "Tri")
 """First letters of the names: 3D is also 3D-L2, L all of L1, L2, ..., Tri all of Tri1, Tri2, ..."""
+POINT_SYMMETRIC = "S"
+"""The name of a point-symmetric planar path that a space path meets; one of the family Pt."""
 
 
 def family(name: str) -> str:
     """The family of a path's name; raises ValueError for a name that no path has."""
     whole, name = name, name.removesuffix(UPSIDE_DOWN)
+    if name and name.rstrip("'") == POINT_SYMMETRIC:
+        return "Pt"
     for head in FAMILIES:
         tail = name[len(head) :]
         if name.startswith(head) and (

@@ -9,13 +9,15 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Collection
 
-from derod.branches.half_rod.mirror import FULL
+import numpy as np
+
+from derod.branches.half_rod.mirror import FULL, PLANES
 from derod.branches.half_rod.observables import observables
 from derod.branches.half_rod.outcome import NotConverged
 from derod.branches.half_rod.parameters import Parameters
 from derod.branches.half_rod.state import HalfRod
 from derod.branches.paths.arc import Point, Tracer
-from derod.branches.paths.joints import stop_in_plane
+from derod.branches.paths.joints import odd_part, stop_in_plane
 from derod.branches.paths.path import Path, PathNotFound
 from derod.branches.paths.stiffening import stiffened
 from derod.branches.paths.tracing import two_ways
@@ -23,6 +25,8 @@ from derod.branches.paths.tracing import two_ways
 NAME = "3D-K2"
 PLACES = (1.0 * math.pi, 0.75 * math.pi, 0.5 * math.pi, 1.5 * math.pi, 0.35 * math.pi)
 """End-shortenings (D) at which K2/K1 is changed, tried in turn."""
+FLAT = 1e-4
+"""A state is planar if no unknown out of the plane is larger."""
 SAME = 1e-6
 """States are one if t and E_hat are this near (relative, or to 1)."""
 STRAIGHT = 0.01
@@ -48,6 +52,8 @@ def stiffened_path(
                 settled = stiffened(state, parameters, FULL, tracer.control)
             except NotConverged:
                 continue
+            if _flat(settled.state):
+                continue  # the space states end in a plane on the way
             if any(_same(settled.state, x) for path in known for x in path.landings(delta)):
                 return None
             remarks: list[str] = []
@@ -73,6 +79,10 @@ def _stop(delta_limit: float) -> Callable[[Point], str | None]:
         return found if found is None or isinstance(found, str) else "met a plane"
 
     return stop
+
+
+def _flat(state: HalfRod) -> bool:
+    return any(np.abs(odd_part(state, odd)).max() < FLAT for _, odd in PLANES)
 
 
 def _same(one: HalfRod, other: HalfRod) -> bool:
