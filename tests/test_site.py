@@ -80,7 +80,8 @@ def test_formulas_are_mathml_and_nothing_is_loaded_from_elsewhere(site: Path) ->
         assert not RESOURCE.search(text), (page, RESOURCE.search(text))
 
 
-def test_the_reference_of_scenes_is_what_the_keys_say() -> None:
-    """If this fails: python runs/scene_reference.py."""
-    command = [sys.executable, str(ROOT / "runs" / "scene_reference.py"), "--check"]
+@pytest.mark.parametrize("name", ["scene_reference", "cli_reference"])
+def test_references_say_what_the_code_does(name: str) -> None:
+    """If this fails: python runs/scene_reference.py, or cli_reference.py."""
+    command = [sys.executable, str(ROOT / "runs" / f"{name}.py"), "--check"]
     assert subprocess.run(command, env=environment(), check=False).returncode == 0

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import sys
+from pathlib import Path
+
 import pytest
 
-from runs.explicit_figures import METHODS, agreement
+sys.path.insert(0, str(Path(__file__).parents[2] / "runs"))
+from explicit_figures import METHODS, agreement
 
 
 @pytest.mark.validation
