@@ -15,9 +15,9 @@ from derod.cli import build_parser
 PAGE = Path(__file__).parents[1] / "docs" / "cli.md"
 HEAD = """# The command line
 
-`derod COMMAND --help` prints this. Exit codes: 0 done; 1 a comparison or a verification failed; 2 bad input; 3 the
-push did not get to its end; 4 results could not be shown; 128 + n ended by signal n. This page is written by
-`python runs/cli_reference.py`.
+`derod COMMAND --help` prints this. Exit codes: 0 done; 1 a comparison or a verification failed; 2 bad input;
+3 the push did not get to its end; 4 results could not be shown; 128 + n ended by signal n. This page is
+written by `python runs/cli_reference.py`.
 """
 
 
