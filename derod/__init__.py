@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from derod.scene.building import Scene as Scene
     from derod.views.branch_faces import open_branches as open_branches
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 _HOMES = {
     "Comparison": "derod.branch_api",
