@@ -110,8 +110,7 @@ class Push:
             self.before = self.increments.measure(earlier)
         self.telling.go_on(row, len(run))
         self.here = self.increments.measure(state)
-        unit = self.system.bending**self.increments.control.power
-        self.increments.stride.length = float(row["next_step"]) / unit
+        self.increments.stride.length = float(row["next_step"]) / self.unit
 
     def run(self) -> Ending:
         """Follow the legs to the last."""
@@ -120,8 +119,7 @@ class Push:
             leg = self.legs[segment]
             if segment > self.segment:
                 self.turn(segment)
-            unit = self.system.bending**self.increments.control.power
-            self.advance_to(leg.stop / unit, [place / unit for place in leg.at])
+            self.advance_to(leg.stop / self.unit, [place / self.unit for place in leg.at])
         words, place = HELD[leg.control].words, self.increments.place(self.value)
         told = place if leg.control != SHORTENING else f"{words} {place}"
         return Ending(Outcome.COMPLETED, f"reached {told}", self.here.state.end_shortening)
@@ -157,13 +155,11 @@ class Push:
 
     def steer(self, name: str, max_step: float, locate: bool = False) -> None:
         """Push with a control from here on; with ``locate``, look for events between increments."""
-        control = CONTROLS[name]
-        unit = self.system.bending**control.power
         usual = HELD[name].step(self.scene)
-        self.increments.control = control
+        self.increments.control = CONTROLS[name]
         self.increments.words = HELD[name].words
         self.increments.locates = locate
-        self.increments.stride = Stride(max_step / unit, usual / unit)
+        self.increments.stride = Stride(max_step / self.unit, usual / self.unit)
 
     def advance_to(self, stop: float, landings: Sequence[float]) -> None:
         """Push to ``stop``, landing on the way on every one of ``landings`` exactly."""
@@ -195,7 +191,7 @@ class Push:
     @property
     def unit(self) -> float:
         """Return what turns the control's value into that of files."""
-        return float(self.system.bending**self.increments.control.power)
+        return self.increments.unit
 
     def accept(self, increment: Increment, *, landing: bool) -> None:
         """Make ``increment`` the present state, and record it."""

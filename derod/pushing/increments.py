@@ -6,8 +6,6 @@ from collections.abc import Callable
 from functools import partial
 from typing import NamedTuple
 
-import numpy as np
-
 from derod.equilibrium.control import Control
 from derod.equilibrium.loop import Outcome as RelaxOutcome
 from derod.equilibrium.loop import Relaxer, Solution, relax
@@ -21,6 +19,7 @@ from derod.pushing.predict import predict
 from derod.pushing.stride import Stride
 from derod.pushing.stuck import Stuck, outcome_of
 from derod.pushing.telling import Telling
+from derod.pushing.words import after_semicolon, moved, slid
 from derod.rod.state import State
 from derod.scene.tables import Noise as NoiseOptions
 
@@ -73,12 +72,9 @@ class Increments:
         self, here: Measured, before: Measured | None, target: float
     ) -> tuple[Increment | None, str]:
         """Follow the branch to ``target``; return the increment, or None and why it may not stand."""
-        guess = predict(self.system, self.control, here, before, target)
-        if guess is None:
-            return None, "no sound prediction reaches that far"
-        solution = self.relax(guess)
-        if not solution.converged:
-            return None, solution.message
+        solution, reason = self.reach(here, before, target)
+        if solution is None:
+            return None, reason
         there = self.measure(solution.state)
         entry = compare(here, there)
         if entry.verdict is not Verdict.BALANCED:
@@ -90,13 +86,20 @@ class Increments:
         increment = Increment(there, solution.iterations, solution.residual, True, entry.defect)
         return increment, ""
 
-    def trace(self, here: Measured, before: Measured, target: float) -> Measured | None:
-        """Settle on the branch of two states at a value of the control, to look at what is there."""
+    def reach(
+        self, here: Measured, before: Measured | None, target: float
+    ) -> tuple[Solution | None, str]:
+        """Relax what the branch predicts at ``target``; return it, or None and why it is not there."""
         guess = predict(self.system, self.control, here, before, target)
         if guess is None:
-            return None
+            return None, "no sound prediction reaches that far"
         solution = self.relax(guess)
-        return self.measure(solution.state) if solution.converged else None
+        return (solution, "") if solution.converged else (None, solution.message)
+
+    def trace(self, here: Measured, before: Measured, target: float) -> Measured | None:
+        """Settle on the branch of two states at a value of the control, to look at what is there."""
+        solution, _ = self.reach(here, before, target)
+        return None if solution is None else self.measure(solution.state)
 
     def pass_over(
         self, here: Measured, before: Measured | None, target: float, reason: str
@@ -257,9 +260,14 @@ class Increments:
         self.telling.event("snap", state.end_shortening, message, value=self.told(place))
         raise Stuck(Outcome.ROD_RAN_OUT, message)
 
+    @property
+    def unit(self) -> float:
+        """Return what turns the control's value into that of files."""
+        return float(self.system.bending**self.control.power)
+
     def told(self, value: float) -> float:
         """Return a value of the control in the units of files."""
-        return value * float(self.system.bending**self.control.power)
+        return value * self.unit
 
     def place(self, value: float, digits: int = 6) -> str:
         """Return a value of the control in words, in the units of files."""
@@ -274,23 +282,3 @@ class Increments:
             f"step to {self.told(self.stride.length):.3g}: {reason}",
             value=self.told(here.control_value),
         )
-
-
-def moved(before: Measured, after: Measured) -> str:
-    """Say how far a node moved between two states."""
-    d = before.state.dimension
-    farthest = float(np.abs(after.state.q[:, :d] - before.state.q[:, :d]).max())
-    return f"nodes moved {farthest:.3g} D"
-
-
-def slid(before: Measured, after: Measured, lost: float) -> str:
-    """Say where an end that slides went, and what energy was lost (K0/D)."""
-    if not before.state.physics.slides:
-        return ""
-    start, end = before.state.end_shortening, after.state.end_shortening
-    return f", end-shortening {start:.6g} to {end:.6g}, energy lost {lost:.6g}"
-
-
-def after_semicolon(words: str) -> str:
-    """Put words after a semicolon, if there are any."""
-    return f"; {words}" if words else ""
