@@ -10,6 +10,8 @@ import argparse
 import sys
 from pathlib import Path
 
+from pages import write_or_check
+
 from derod.cli import build_parser
 
 PAGE = Path(__file__).parents[1] / "docs" / "cli.md"
@@ -44,15 +46,5 @@ def page() -> str:
     return "\n".join(lines)
 
 
-def main() -> int:
-    """Write the page, or say whether it is current."""
-    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--check", action="store_true")
-    if parser.parse_args().check:
-        return int(PAGE.read_text() != page())
-    PAGE.write_text(page())
-    return 0
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(write_or_check(PAGE, page, (__doc__ or "").splitlines()[0]))

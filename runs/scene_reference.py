@@ -6,13 +6,13 @@ python runs/scene_reference.py --check    # exit code 1 where the page is not wh
 
 from __future__ import annotations
 
-import argparse
 import inspect
 import re
 import sys
 from pathlib import Path
 
 import msgspec
+from pages import write_or_check
 
 from derod.scene import tables
 from derod.scene.material import MATERIAL_KEYS
@@ -74,15 +74,5 @@ def page() -> str:
     return "\n".join([HEAD, *(line for name in order for line in section(name))])
 
 
-def main() -> int:
-    """Write the page, or say whether it is current."""
-    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--check", action="store_true")
-    if parser.parse_args().check:
-        return int(PAGE.read_text() != page())
-    PAGE.write_text(page())
-    return 0
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(write_or_check(PAGE, page, (__doc__ or "").splitlines()[0]))

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
+import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy.optimize import brentq
 
 import derod
 from derod.equilibrium.loop import relax
@@ -21,6 +20,9 @@ from derod.pushing.rows import ROW
 from derod.scene import Scene
 from derod.scene.controls import HELD
 from tests.scenes import coil
+
+sys.path.insert(0, str(Path(__file__).parents[2] / "runs"))
+from controls import closed_form
 
 STEPS = {
     "end_shortening": 1e-3,
@@ -117,36 +119,6 @@ def test_a_pull_above_every_maximum_straightens_the_rod_and_below_every_minimum_
     assert down.table["converged"].all() and not down.table["unstable_modes"].any()
 
 
-def twisted(tension: float) -> float:
-    """The twisting moment at which a clamped rod of length 1 under a pull buckles (Greenhill), K/L.
-
-    Without a pull 8.98682. With w = x + i y, w'''' - i M w''' - T w'' = 0: w is 1, s and exp(i k s) with
-    K k^2 - M k + T = 0.
-    """
-
-    if tension == 0:
-        return 8.986818915818
-
-    def determinant(moment: float) -> float:
-        root = np.sqrt(complex(moment**2 / 4 - tension))
-        rows = []
-        for s in (-0.5, 0.5):
-            waves = [np.exp(1j * k * s) for k in (moment / 2 + root, moment / 2 - root)]
-            slopes = [
-                1j * k * w
-                for k, w in zip((moment / 2 + root, moment / 2 - root), waves, strict=True)
-            ]
-            rows += [[1, s, *waves], [0, 1, *slopes]]
-        value = np.linalg.det(np.array(rows)) / root**3
-        return float(value.real) if abs(value.real) > abs(value.imag) else float(value.imag)
-
-    places = np.linspace(2 * np.sqrt(tension) + 0.5, 30, 300)
-    for a, b in pairwise(places):
-        if determinant(a) * determinant(b) < 0:
-            return float(brentq(determinant, a, b, xtol=1e-13))
-    raise AssertionError("no buckling moment")
-
-
 GREENHILL = """
 [rod]
 length = 1
@@ -167,7 +139,7 @@ drop = false
 
 def buckling_moment(tension: float, edges: int) -> float:
     """The moment at which the discrete rod's straight state loses its stability."""
-    stop = 1.01 * twisted(tension) / 0.9
+    stop = 1.01 * closed_form(tension) / 0.9
     run = derod.push(derod.parse_scene(GREENHILL.format(tension=tension, edges=edges, stop=stop)))
     event = next(event for event in run.events if event.kind == "instability")
     return 0.9 * event.control_value
@@ -175,12 +147,12 @@ def buckling_moment(tension: float, edges: int) -> float:
 
 @pytest.mark.parametrize("tension", [0.0, 1.0, 10.0, 30.0])
 def test_a_twisted_rod_under_tension_buckles_where_greenhill_says(tension: float) -> None:
-    exact = twisted(tension)
+    exact = closed_form(tension)
     assert buckling_moment(tension, 50) == pytest.approx(exact, rel=1e-4)
 
 
 def test_the_buckling_moment_converges_faster_than_third_order() -> None:
-    exact = twisted(10.0)
+    exact = closed_form(10.0)
     coarse, fine = (abs(buckling_moment(10.0, n) - exact) for n in (40, 80))
     assert np.log2(coarse / fine) > 3.2
 
