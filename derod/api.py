@@ -25,7 +25,7 @@ from derod.record.extrapolate import coarser
 from derod.record.extrapolate import extrapolate as extrapolate_runs
 from derod.scene import Scene
 from derod.scene.axis import both
-from derod.scene.material import check_one_stiffness
+from derod.scene.directors import check_pushable
 from derod.scene.plain import plain_tables
 from derod.scene.plan import check_plan
 from derod.scene.reading import build_scene
@@ -103,7 +103,7 @@ def _checked(scene: Scene, yes_really: bool) -> Scene:
             "is no scene (derod.Scene makes one, derod.load_scene reads one)", value=scene
         )
     scene = build_scene(plain_tables(scene), scene.path)
-    check_one_stiffness(scene)
+    check_pushable(scene)
     if not yes_really:
         check_plan(scene)
     return scene

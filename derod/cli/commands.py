@@ -17,7 +17,7 @@ from derod.pushing.frames import Observer, Outcome
 from derod.scene import Scene
 from derod.scene.axis import AXES, Axis, axis_of
 from derod.scene.checking import check_lines, pushable_words
-from derod.scene.material import check_one_stiffness
+from derod.scene.directors import check_pushable
 from derod.scene.plan import check_plan, planned
 from derod.scene.program import legs
 from derod.terminal import say, say_done, show
@@ -211,7 +211,7 @@ def _scene_to_push(args: argparse.Namespace) -> Scene:
         check_output(args.output, force=args.force, inputs=[file], ask=ask)
         with blaming_the_command_line(given, original):
             scene = original.replace(given)
-    check_one_stiffness(scene)
+    check_pushable(scene)
     if not args.yes_really:
         check_plan(scene)
     return scene

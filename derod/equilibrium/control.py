@@ -44,7 +44,7 @@ class Control(ABC):
 
     @abstractmethod
     def column(self, system: System, state: State) -> tuple[np.ndarray, np.ndarray]:
-        """Return minus the residual's derivative by this parameter, (N, d+1) and like the border.
+        """Return minus the residual's derivative by this parameter, (N, w) and like the border.
 
         The state is the one whose Hessian was filled last.
         """
@@ -59,7 +59,7 @@ class Control(ABC):
 
     def empty_column(self, system: System) -> tuple[np.ndarray, np.ndarray]:
         """Return zeros in the shape of a column."""
-        shape = (system.edges, system.dimension + 1)
+        shape = (system.edges, system.width)
         return np.zeros(shape), np.zeros_like(system.factor.rhs_border)
 
 

@@ -62,6 +62,9 @@ def promised_decrease(physics, work, room):
     for i in range(1, work.dq.shape[0] - 1):
         for k in range(d):
             fall -= room.r[i, k] * work.dq[i, k]
+    for e in range(1, work.dq.shape[0]):
+        for k in range(d + 1, len(physics.row)):
+            fall -= room.r[e, k] * work.dq[e, k]
     for k in range(F_A + d):
         fall -= room.rb[k] * work.db[k]
     return fall
@@ -82,18 +85,18 @@ def descend_step(physics, mesh, rules, shift, psi_old, room, factor, q, b, work)
     curved = False
     for trial in range(TRIALS):
         hessian(physics, q, b, psi_old, room)
-        modes = unstable_modes(room.linear, factor, d)
+        modes = unstable_modes(physics, room.linear, factor)
         if trial == 0:
             curved = modes != 0
         if modes != 0:
             shift = max(shift, LEAST_SHIFT)
         if shift > 0:
             add_shift(physics, room.kin, room.linear, shift)
-            modes = unstable_modes(room.linear, factor, d)
+            modes = unstable_modes(physics, room.linear, factor)
         while modes != 0 and shift < LARGEST_SHIFT:
             add_shift(physics, room.kin, room.linear, (RAISE - 1) * shift)
             shift *= RAISE
-            modes = unstable_modes(room.linear, factor, d)
+            modes = unstable_modes(physics, room.linear, factor)
         solve_step(physics, room, factor, work)
         fraction = longest_step(physics, room.kin, q, b, work.dq, work.db, DESCENDING)
         fall = fraction * promised_decrease(physics, work, room)
@@ -101,7 +104,7 @@ def descend_step(physics, mesh, rules, shift, psi_old, room, factor, q, b, work)
         try_step(physics, room.kin, fraction, q, b, work)
         psi, sound, _ = restore(physics, mesh, psi_old, room, factor, work.tq, work.tb)
         sound = sound and sharpest(room.kin) <= sharp
-        if sound and not beyond(room.kin, work.tq, q, np.inf, 1.2 * DESCENDING):
+        if sound and not beyond(physics, room.kin, work.tq, q, np.inf, 1.2 * DESCENDING):
             new, new_force = excess(physics, room.r, room.rb, room.kin, rules.tolerance)
             after = constrained_energy(physics, work.tq, work.tb, psi, room, work, q, b)
             if fall > 10 * slack:

@@ -36,17 +36,18 @@ def is_restored(physics, room):
 
 
 @inlined
-def solve_lengths(room, factor, d, n):
+def solve_lengths(physics, room, factor):
     """Fill the correction that takes the constraints' violation to zero, with the factor at hand.
 
     A step along a curved, soft valley is tangent to the constraints and violates them to second order;
     charged with that, good steps would be refused (Maratos' effect).
     """
+    d, w = len(physics.axis), len(physics.row)
     x, y = factor.rhs, factor.rhs_border
     x[:] = 0.0
     y[:] = 0.0
-    for i in range(1, n + 1):
-        x[(d + 1) * (i - 1) + d] = -room.r[i, d]
+    for i in range(1, room.r.shape[0]):
+        x[w * (i - 1) + d] = -room.r[i, d]
     for k in range(F_A + d, BORDER + d):
         y[k] = -room.rb[k]
     solve(factor, x, y)
@@ -55,7 +56,7 @@ def solve_lengths(room, factor, d, n):
 @inlined
 def correct_lengths(physics, room, factor, q, b):
     """Restore lengths within the limits of a step; return the fraction of the correction that was taken."""
-    d = q.shape[1] - 1
+    d, w = len(physics.axis), len(physics.row)
     n = q.shape[0] - 1
     x, y = factor.rhs, factor.rhs_border
     kin = room.kin
@@ -63,22 +64,22 @@ def correct_lengths(physics, room, factor, q, b):
     for i in range(1, n + 1):
         square = 0.0
         for k in range(d):
-            before = x[(d + 1) * (i - 2) + k] if i > 1 else 0.0
-            square += (x[(d + 1) * (i - 1) + k] - before) ** 2
+            before = x[w * (i - 2) + k] if i > 1 else 0.0
+            square += (x[w * (i - 1) + k] - before) ** 2
         fraction = min(fraction, MOST_ROTATION * kin.rest[i] / (np.sqrt(square) + 1e-300))
     for i in range(kin.node_a, kin.node_b + 1):
         r2, outward = 0.0, 0.0
         for k in range(d):
             place = q[i, k] - b[X_C + k]
             r2 += place * place
-            outward += place * (x[(d + 1) * (i - 1) + k] - y[X_C + k])
+            outward += place * (x[w * (i - 1) + k] - y[X_C + k])
         r = np.sqrt(r2) + 1e-300
         gap = 1 + physics.wall_softness - 2 * r
         if outward > 0:
             fraction = min(fraction, MOST_GAP_USED * gap * r / (2 * outward))
     for i in range(1, n + 1):
-        for k in range(d + 1):
-            q[i, k] += fraction * x[(d + 1) * (i - 1) + k]
+        for k in range(w):
+            q[i, k] += fraction * x[w * (i - 1) + k]
     for k in range(BORDER + d):
         b[k] += fraction * y[k]
     return fraction
@@ -105,7 +106,7 @@ def restore(physics, mesh, psi, room, factor, q, b):
         if left > 0.9 * before:
             return psi, False, left
         before = left
-        solve_lengths(room, factor, q.shape[1] - 1, q.shape[0] - 1)
+        solve_lengths(physics, room, factor)
         if (
             correct_lengths(physics, room, factor, q, b) < 1
         ):  # far off: the factor is not good for more

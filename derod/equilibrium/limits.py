@@ -28,6 +28,8 @@ def longest_step(physics, kin, q, b, dq, db, rotation):
         for k in range(d):
             square += (dq[e, k] - dq[e - 1, k]) ** 2
         fraction = min(fraction, rotation * kin.rest[e] / (np.sqrt(square) + 1e-300))
+        for k in range(d + 1, len(physics.row)):
+            fraction = min(fraction, rotation / (abs(dq[e, k]) + 1e-300))
     for i in range(kin.node_a, kin.node_b + 1):
         r2 = 0.0
         outward = 0.0
@@ -52,12 +54,12 @@ def longest_step(physics, kin, q, b, dq, db, rotation):
 
 
 @inlined
-def beyond(kin, q, origin, place, rotation):
+def beyond(physics, kin, q, origin, place, rotation):
     """Return whether a node is farther than ``place`` from ``origin``, or an edge turned by more.
 
     The tangents in ``kin`` are those of ``q``.
     """
-    d = q.shape[1] - 1
+    d = len(physics.axis)
     least = np.cos(rotation)
     for i in range(1, q.shape[0]):
         far, along, square = 0.0, 0.0, 0.0
@@ -68,6 +70,9 @@ def beyond(kin, q, origin, place, rotation):
             square += edge * edge
         if not (far <= place * place and along >= least * np.sqrt(square)):
             return True
+        for k in range(d + 1, len(physics.row)):
+            if not abs(q[i, k] - origin[i, k]) <= rotation:
+                return True
     return False
 
 

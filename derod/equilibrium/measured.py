@@ -82,7 +82,7 @@ def measure(
     solution, border = system.solve(column, column_border, refine=False)
     stiffness = control.own(system) - float(np.sum(column * solution) + column_border @ border)
     slope_q = np.zeros_like(state.q)
-    slope_q[1:] = solution
+    slope_q[1:, : state.width] = solution
     slope_q[-1, system.dimension - 1] += control.moves_end()
     here = Measured(
         state=state,

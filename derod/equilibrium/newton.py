@@ -30,7 +30,6 @@ def follow_step(physics, mesh, rules, psi_old, room, factor, q, b, work):
 
     Returns (outcome, psi, excess, force residual); ``room`` holds the gradient, on entry and on return.
     """
-    d = len(physics.axis)
     old, force = excess(physics, room.r, room.rb, room.kin, rules.tolerance)
     sharp = max(SHARP, sharpest(room.kin))
     hessian(physics, q, b, psi_old, room)
@@ -49,14 +48,14 @@ def follow_step(physics, mesh, rules, psi_old, room, factor, q, b, work):
                 break
             new, new_force = excess(physics, room.r, room.rb, room.kin, rules.tolerance)
             if new < (1 - FALL * fraction) * old or new <= 1:
-                if beyond(room.kin, work.tq, work.origin, FARTHEST, TURNED):
+                if beyond(physics, room.kin, work.tq, work.origin, FARTHEST, TURNED):
                     outcome = STRAYED
                     break
                 copy_rows(work.tq, q)
                 copy_vector(work.tb, b)
                 return ACCEPTED, psi, new, new_force
             if correction < CORRECTIONS:
-                solve_lengths(room, factor, d, q.shape[0] - 1)
+                solve_lengths(physics, room, factor)
                 correct_lengths(physics, room, factor, work.tq, work.tb)
         if outcome == STRAYED:
             break

@@ -18,6 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from derod.equilibrium.system import System
+from derod.rod.arrays import Kinematics
 from derod.rod.state import State, in_space
 from derod.rod.terms.twist import twisting_moment
 
@@ -30,7 +31,7 @@ class Reactions:
     end_force: np.ndarray  # (3,)
     start_moment: np.ndarray  # (3,)
     end_moment: np.ndarray  # (3,)
-    twisting_moment: float  # m_3, uniform
+    twisting_moment: float  # m_3, uniform; of a section with directions that at s = l
 
 
 def reactions(system: System, state: State) -> Reactions:
@@ -43,7 +44,18 @@ def reactions(system: System, state: State) -> Reactions:
     start_moment = np.array([y, -x, moment])  # -e_z x dL/dc
     x, y = clamp_slope(system, -1, moment)
     end_moment = np.array([-y, x, moment])
+    if room.kin.frames is not None:  # what turns a clamp's whole frame
+        start_moment -= body_moment(room.kin, 0)
+        end_moment += body_moment(room.kin, -1)
+        moment = float(end_moment[2])
     return Reactions(start, end, start_moment, end_moment, moment)
+
+
+def body_moment(kin: Kinematics, edge: int) -> np.ndarray:
+    """Return the derivative by a rotation of an edge's frame, (3,), K/D, of the terms that know it."""
+    assert kin.frames is not None
+    axes = kin.frames.first[:, edge], kin.frames.second[:, edge], kin.tangent[:, edge]
+    return np.asarray(np.array(axes).T @ kin.frames.moment[edge])
 
 
 def clamp_slope(system: System, side: int, moment: float) -> tuple[float, float]:

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from derod.equilibrium.linear import FIRST_SHIFT, LARGEST_SHIFT
+from derod.equilibrium.linear import ANGLE_INERTIA, FIRST_SHIFT, LARGEST_SHIFT
 from derod.equilibrium.system import System
 from derod.rod.state import State
 from derod.rod.unknowns import ETA, F_A
@@ -69,7 +69,7 @@ def lowest_mode(
             high = middle
     system.linearise(state, high)
     weight, border_weight = inertia(system, state)
-    mode, border = start[1:].copy(), np.zeros_like(border_weight)
+    mode, border = start[1:, : state.width].copy(), np.zeros_like(border_weight)
     value = np.nan
     for _ in range(SWEEPS):
         right, right_border = weight * mode, border_weight * border
@@ -81,21 +81,24 @@ def lowest_mode(
         if abs(value - before) < SETTLED * high:
             break
     mode_q, mode_b = np.zeros_like(state.q), np.zeros_like(state.b)
-    mode_q[1:] = np.where(weight > 0, mode, 0.0)
+    mode_q[1:, : state.width] = np.where(weight > 0, mode, 0.0)
     mode_b[: F_A + system.dimension] = border[: F_A + system.dimension]
     return float(value), mode_q, mode_b
 
 
 def inertia(system: System, state: State) -> tuple[np.ndarray, np.ndarray]:
-    """Return the metric of displacements: the nodes' dual lengths, and 1 for the drop and the menisci.
+    """Return the metric of displacements: the nodes' dual lengths, ANGLE_INERTIA times an edge's for its
+    angle, and 1 for the drop and the menisci.
 
     Shaped like the rows of q and the border; zero for multipliers and what is clamped.
     """
     rest = system.room.kin.rest
-    weight = np.zeros((system.edges, system.dimension + 1))
-    weight[:-1, :-1] = 0.5 * (rest[1:-2] + rest[2:-1])[:, None]
+    d = system.dimension
+    weight = np.zeros((system.edges, system.width))
+    weight[:-1, :d] = 0.5 * (rest[1:-2] + rest[2:-1])[:, None]
+    weight[:, d + 1 :] = ANGLE_INERTIA * rest[1:-1, None]
     if state.physics.slides:
-        weight[-1, -2] = 0.5 * rest[-2]
+        weight[-1, d - 1] = 0.5 * rest[-2]
     border = np.zeros_like(system.factor.rhs_border)
     border[: F_A + system.dimension] = 1.0
     return weight, border

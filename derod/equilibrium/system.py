@@ -46,6 +46,11 @@ class System:
         rows, stride = matrix.band.shape
         self.factor = new_factor(rows, stride, matrix.border.shape[1])
 
+    @property
+    def width(self) -> int:
+        """Return w, the unknowns of a row of q."""
+        return len(self.physics.row)
+
     def rest_lengths(self, state: State) -> np.ndarray:
         """Return the rest lengths l_j, (N,), D."""
         lay_grid(self.mesh, self.physics.length, state.b, self.room.kin)
@@ -63,14 +68,13 @@ class System:
         return bool(sound)
 
     def end_column(self, state: State) -> tuple[np.ndarray, np.ndarray]:
-        """Return the residual's derivative by z_N, (N, d+1) and like the border; its own row is zero.
+        """Return the residual's derivative by z_N, (N, w) and like the border; its own row is zero.
 
         Minus that is the change as the end clamp moves inward. The Hessian must have been filled.
         """
         self.factor.rhs[:] = 0.0
         band.fill_end_column(state.physics, self.room, self.factor.rhs, self.factor.rhs_border)
-        rows = self.edges * (self.dimension + 1)
-        column = self.factor.rhs[:rows].reshape(self.edges, self.dimension + 1).copy()
+        column = self.factor.rhs[: self.edges * self.width].reshape(self.edges, self.width).copy()
         column[-1, self.dimension - 1] = 0.0
         return column, self.factor.rhs_border.copy()
 
@@ -163,7 +167,7 @@ class System:
         d = self.dimension
         if not self.gradient(state):
             return False
-        right, border = np.zeros_like(state.q[1:]), np.zeros_like(self.factor.rhs_border)
+        right, border = np.zeros((self.edges, self.width)), np.zeros_like(self.factor.rhs_border)
         right[:, d] = -self.room.r[1:, d]
         border[F_A + d : BORDER + d] = -self.room.rb[F_A + d :]
         step, border_step = self.solve(right, border)
@@ -172,7 +176,7 @@ class System:
         fraction = float(min(1.0, limits.MOST_ROTATION / np.max(turned / self.room.kin.rest[1:-1])))
         for _ in range(DAMPINGS):
             moved = state.copy()
-            moved.q[1:] += fraction * step
+            moved.q[1:, : self.width] += fraction * step
             moved.b += fraction * border_step[: state.b.size]
             inside = self.wall_gap(moved) > (1 - limits.MOST_GAP_USED) * gap
             if inside and self.gradient(moved) and self.violation() < (1 - 0.1 * fraction) * before:
@@ -191,7 +195,7 @@ class System:
     ) -> tuple[np.ndarray, np.ndarray]:
         """Solve with the Hessian that was factored last, with a step of iterative refinement or without.
 
-        ``right`` has a row for each of the nodes 1 ... N, like ``q[1:]``; ``right_border`` one for each
+        ``right`` has a row for each of the nodes 1 ... N, like the unknowns of ``q[1:]``; ``right_border`` one for each
         border row. Returns the solution in the same shapes.
         """
         own = self.factor.rhs[: right.size]

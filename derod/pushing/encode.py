@@ -13,8 +13,9 @@ from derod.pushing.columns import Settled
 from derod.pushing.controls import CONTROLS
 from derod.pushing.frames import Frame
 from derod.pushing.rows import ALL, ROW
+from derod.rod.arrays import new_q
 from derod.rod.state import State
-from derod.rod.unknowns import BORDER, F_A, S_A, S_B, X_C
+from derod.rod.unknowns import ANGLE, BORDER, F_A, S_A, S_B, X_C
 
 
 def encode(system: System, here: Measured, settled: Settled) -> Frame:
@@ -32,6 +33,7 @@ def encode(system: System, here: Measured, settled: Settled) -> Frame:
         here.arc_length,
         state.drop_center if system.physics.drop else np.full(3, np.nan),
         state.edge_tension * unit,
+        state.edge_frame,
     )
 
 
@@ -39,9 +41,11 @@ def decode(system: System, frame: Frame, *, slides: bool = False) -> State:
     """Return the state of a recorded frame; ``slides`` tells whether its end was under a dead load."""
     d, unit = system.dimension, system.bending
     row = frame.row
-    q = np.zeros((system.edges + 1, d + 1))
+    q = new_q(system.edges, system.physics)
     q[:, :d] = frame.positions[:, 3 - d :]
     q[1:, d] = frame.edge_tension / unit
+    if frame.edge_frame is not None:
+        q[1:, ANGLE:] = frame.edge_frame
     b = np.zeros(BORDER + d)
     if system.physics.drop:
         b[S_A], b[S_B] = row["meniscus_a"], row["meniscus_b"]

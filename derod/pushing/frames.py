@@ -29,6 +29,9 @@ class Frame:
     arc_length: np.ndarray  # (N+1,), of the nodes, D
     drop_center: np.ndarray  # (3,), D
     edge_tension: np.ndarray  # (N,), K0/D^2
+    edge_frame: np.ndarray | None = None
+    """(N, 7), of a section with directions: the angle (rad) of d_1 about each edge, and the tangent and the
+    director from which it is counted (``derod.rod.frames``)."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,8 +8,9 @@ import numpy as np
 from scipy.optimize import brentq
 
 from derod.equilibrium.system import System
+from derod.rod.arrays import new_q
 from derod.rod.state import State
-from derod.rod.unknowns import BORDER, ETA, F_A, S_A, S_B, X_C
+from derod.rod.unknowns import ANGLE, BORDER, ETA, F_A, REFERENCE, S_A, S_B, X_C
 
 BUMP_WIDTH = 0.35  # D, of the odd tangent angle's bump
 
@@ -22,7 +23,7 @@ def bent_guess(system: System, physics: Any, end_shortening: float, side: float 
     """
     d = system.dimension
     state = State(
-        np.zeros((system.edges + 1, d + 1)), np.zeros(BORDER + d), 0.0, end_shortening, physics
+        new_q(system.edges, physics), np.zeros(BORDER + d), 0.0, end_shortening, physics
     )
     if physics.drop:
         wetted = min(1 + end_shortening, 0.5 * (1 + physics.length))
@@ -43,6 +44,8 @@ def bent_guess(system: System, physics: Any, end_shortening: float, side: float 
     state.q[1:, d - 2] = side * np.cumsum(rest * np.sin(amplitude * shape))
     state.q[-1, d - 2] = 0.0
     state.clamp_at(end_shortening)
+    if state.width > d + 1:
+        turn_directors(state, rest, nodes)
     if not physics.drop:
         state.q[1:, d] = -4 * np.pi**2 / physics.length**2
         return state
@@ -54,3 +57,15 @@ def bent_guess(system: System, physics: Any, end_shortening: float, side: float 
     state.b[X_C : F_A + d] = menisci.mean(axis=0)
     state.b[F_A + d : ETA + d] = physics.capillary_force
     return state
+
+
+def turn_directors(state: State, rest: np.ndarray, nodes: np.ndarray) -> None:
+    """Twist the section uniformly from one clamp's director to the other's; the rod lies in the y-z plane.
+
+    Angles are counted from e_x, which a plane carries along.
+    """
+    middle = 0.5 * (nodes[1:] + nodes[:-1]) / nodes[-1]
+    start, end = state.physics.director_start, state.physics.director_end
+    state.q[1:, ANGLE] = start + (end - start) * middle
+    state.q[1:, REFERENCE : REFERENCE + 3] = np.diff(state.q[:, :3], axis=0) / rest[:, None]
+    state.q[1:, REFERENCE + 3 :] = 1.0, 0.0, 0.0

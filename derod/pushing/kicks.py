@@ -8,6 +8,7 @@ equal energies.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -45,6 +46,7 @@ def kick(
     energy = system.energies(state).potential
     d = system.dimension
     slope = float(np.sum(system.room.r[1:-1, :d] * mode_q[1:-1, :d]))
+    slope += float(np.sum(system.room.r[1:, d + 1 :] * mode_q[1:, d + 1 : state.width]))
     slope += float(system.room.rb[: F_A + d] @ mode_b[: F_A + d])
     sloped = abs(slope) > SLOPED * 0.5 * abs(value) * amplitude
     sign = -np.sign(slope) if sloped else side
@@ -67,8 +69,19 @@ def kick(
         moved,
         value,
         bool(sloped),
-        breaks_a_symmetry(state, mode_q, state.physics.end_rotation - state.holonomy),
+        breaks_a_symmetry(state, mode_q, state.physics.end_rotation - state.holonomy)
+        and not asymmetric(state.physics),
     )
+
+
+def asymmetric(physics: Any) -> bool:
+    """Return whether the section's directions leave the rod no symmetry of its centre line alone.
+
+    They leave it where both clamps' directors lie along e_x or e_y, and the rod is naturally straight.
+    """
+    shaped = physics.natural_curvature_1, physics.natural_curvature_2, physics.natural_twist
+    angles = 2 * physics.director_start, 2 * physics.director_end
+    return any(shaped) or any(abs(np.sin(angle)) > SYMMETRIC for angle in angles)
 
 
 def breaks_a_symmetry(state: State, mode_q: np.ndarray, twist: float) -> bool:

@@ -26,7 +26,7 @@ def extrapolate(
     d = len(physics.axis)
     ratio = 0.0 if back == 0.0 else (h / back) ** 2
     for i in range(q.shape[0]):
-        for k in range(d + 1):
+        for k in range(len(physics.row)):
             change = h * slope[i, k]
             if ratio > 0:  # old = state + back slope + back^2 curve / 2
                 change += ratio * (old_q[i, k] - q[i, k] - back * slope[i, k])

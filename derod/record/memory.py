@@ -104,4 +104,5 @@ def copied(frame: Frame) -> Frame:
         arc_length=frame.arc_length.copy(),
         drop_center=frame.drop_center.copy(),
         edge_tension=frame.edge_tension.copy(),
+        edge_frame=None if frame.edge_frame is None else frame.edge_frame.copy(),
     )

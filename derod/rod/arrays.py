@@ -13,7 +13,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from derod.rod.unknowns import BORDER, border_count, half_width
+from derod.rod.frames import Frames, new_frames
+from derod.rod.unknowns import ANGLE, BORDER, CARRIED, border_count, half_width
 
 
 class Mesh(NamedTuple):
@@ -55,6 +56,7 @@ class Kinematics(NamedTuple):
     barrier: np.ndarray  # (N+1,) the wall's stiffness against moving a node outward, K0/D^3
     node_a: int  # the menisci's nodes
     node_b: int
+    frames: Frames | None  # of a section with directions of its own
 
 
 class Gradient(NamedTuple):
@@ -78,12 +80,12 @@ class Hessian(NamedTuple):
 
     tangent: np.ndarray  # (N+2, d) the tangents once more, a row an edge
     difference: np.ndarray  # (N+2, d) and the differences of curvature
-    edge: np.ndarray  # (N+2, d, d) by e e
-    vertex: np.ndarray  # (N+1, d, d) by e_i e_{i+1}
-    skip: np.ndarray  # (N+2, d, d) by e_{i-1} e_{i+1}
+    edge: np.ndarray  # (N+2, d, d) by e e; with angles (N+2, 4, 4), by (e, theta)
+    vertex: np.ndarray  # (N+1, d, d) by e_i e_{i+1}, likewise
+    skip: np.ndarray  # (N+2, d, d) by e_{i-1} e_{i+1}, likewise
     node: np.ndarray  # (N+1, d, d) by x_i x_i, what depends on x_i - x_C
     constraint: np.ndarray  # (N+2, 3, d) of g_e by e-1, e, e+1
-    edge_menisci: np.ndarray  # (2, N+2, d) by e and s_A, s_B
+    edge_menisci: np.ndarray  # (2, N+2, d) by e and s_A, s_B; with angles (2, N+2, 4)
     node_menisci: np.ndarray  # (2, N+1, d) by x_i and s_A, s_B, what is not in ``edge_menisci``
     constraint_menisci: np.ndarray  # (2, N+2) of g by s_A, s_B
     border: np.ndarray  # (BORDER+d, BORDER+d) by b b
@@ -92,8 +94,8 @@ class Hessian(NamedTuple):
 class Linear(NamedTuple):
     """A bordered band matrix [[K, B], [B^T, C]]; row-major lower diagonals of K, padded below."""
 
-    band: np.ndarray  # ((d+1)N + w, w+1), band[j, k] = K[j+k, j]
-    border: np.ndarray  # ((d+1)N + w, m)
+    band: np.ndarray  # (wN + h, h+1) of half width h, band[j, k] = K[j+k, j]
+    border: np.ndarray  # (wN + h, m)
     corner: np.ndarray  # (m, m)
 
 
@@ -104,7 +106,7 @@ class Room(NamedTuple):
     grad: Gradient
     hess: Hessian
     tension: np.ndarray  # (N+2,) by edge
-    r: np.ndarray  # (N+1, d+1) residual by q
+    r: np.ndarray  # (N+1, w) residual by the unknowns of q
     rb: np.ndarray  # (d+5,) residual by b
     linear: Linear
 
@@ -140,7 +142,24 @@ def new_kinematics(mesh: Mesh, physics) -> Kinematics:
         barrier=np.zeros(n - 1),
         node_a=node_a if physics.drop else 1,
         node_b=node_b if physics.drop else 0,
+        frames=new_frames(mesh.edges, physics.director_start, physics.director_end)
+        if has_angles(physics)
+        else None,
     )
+
+
+def has_angles(physics) -> bool:
+    """Return whether edges have angles, and frames."""
+    return len(physics.row) > len(physics.axis) + 1
+
+
+def new_q(edges: int, physics) -> np.ndarray:
+    """Return zeros for a state's q; references lie along the clamp axis, their directors along e_x."""
+    if not has_angles(physics):
+        return np.zeros((edges + 1, len(physics.row)))
+    q = np.zeros((edges + 1, len(physics.row) + CARRIED))
+    q[:, ANGLE + 3] = q[:, ANGLE + 4] = 1.0
+    return q
 
 
 def new_gradient(edges: int, d: int) -> Gradient:
@@ -161,29 +180,30 @@ def new_gradient(edges: int, d: int) -> Gradient:
     )
 
 
-def new_hessian(edges: int, d: int) -> Hessian:
-    """Return room for a Hessian."""
+def new_hessian(edges: int, d: int, by: int) -> Hessian:
+    """Return room for a Hessian, of ``by`` numbers an edge: its components, and its angle if it has one."""
     n = edges + 2
     return Hessian(
         np.zeros((n, d)),
         np.zeros((n, d)),
-        np.zeros((n, d, d)),
-        np.zeros((edges + 1, d, d)),
-        np.zeros((n, d, d)),
+        np.zeros((n, by, by)),
+        np.zeros((edges + 1, by, by)),
+        np.zeros((n, by, by)),
         np.zeros((edges + 1, d, d)),
         np.zeros((n, 3, d)),
-        np.zeros((2, n, d)),
+        np.zeros((2, n, by)),
         np.zeros((2, edges + 1, d)),
         np.zeros((2, n)),
         np.zeros((BORDER + d, BORDER + d)),
     )
 
 
-def new_linear(edges: int, d: int) -> Linear:
+def new_linear(edges: int, physics) -> Linear:
     """Return room for a bordered band matrix."""
-    w, m = half_width(d), border_count(d)
-    rows = (d + 1) * edges + w
-    return Linear(np.zeros((rows, w + 1)), np.zeros((rows, m)), np.zeros((m, m)))
+    d = len(physics.axis)
+    half, m = half_width(d, angles=has_angles(physics)), border_count(d)
+    rows = len(physics.row) * edges + half
+    return Linear(np.zeros((rows, half + 1)), np.zeros((rows, m)), np.zeros((m, m)))
 
 
 def new_room(mesh: Mesh, physics) -> Room:
@@ -192,9 +212,9 @@ def new_room(mesh: Mesh, physics) -> Room:
     return Room(
         new_kinematics(mesh, physics),
         new_gradient(edges, d),
-        new_hessian(edges, d),
+        new_hessian(edges, d, len(physics.row) - 1),
         np.zeros(edges + 2),
-        np.zeros((edges + 1, d + 1)),
+        np.zeros((edges + 1, len(physics.row))),
         np.zeros(BORDER + d),
-        new_linear(edges, d),
+        new_linear(edges, physics),
     )

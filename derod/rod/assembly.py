@@ -13,10 +13,12 @@ from derod.algebra.copying import copy_vector
 from derod.algebra.jit import inlined, kernel
 from derod.rod.band import fill_band, fill_border
 from derod.rod.constraints import on_sphere, pin, stretch
+from derod.rod.frame_hessian import add_second, clear_second
+from derod.rod.frames import add_moments, clear_forces, measure_frames, renew
 from derod.rod.kinematics import measure
 
 # terms: imports
-from derod.rod.terms import bending, capillary, defect, load, twist, wall, weight
+from derod.rod.terms import bending, capillary, defect, load, section, torsion, twist, wall, weight
 
 # end
 from derod.rod.terms.bending import fill_turns
@@ -36,6 +38,8 @@ def energies(physics, q, b, psi, room):
         capillary.energy(physics, kin, q, b, psi) if physics.drop else 0.0,
         weight.energy(physics, kin, q, b, psi) if physics.drop else 0.0,
         twist.energy(physics, kin, q, b, psi) if len(physics.axis) == 3 else 0.0,
+        section.energy(physics, kin, q, b, psi),
+        torsion.energy(physics, kin, q, b, psi),
         load.energy(physics, kin, q, b, psi),
     )
     # end
@@ -54,6 +58,7 @@ def potential(physics, q, b, psi, room):
 def measured_energies(physics, mesh, q, b, psi, room):
     """Measure a state and return its ``energies``."""
     measure(physics, mesh, q, b, room.kin)
+    measure_frames(q, room.kin, room.kin.frames)
     return energies(physics, q, b, psi, room)
 
 
@@ -73,6 +78,7 @@ def gradient(physics, mesh, q, b, psi, room):
 def constraints(physics, mesh, q, b, room):
     """Measure the rod and fill the stretch constraints; return False where an edge has no length."""
     sound = measure(physics, mesh, q, b, room.kin)
+    measure_frames(q, room.kin, room.kin.frames)
     fill_turns(room.kin, room.grad)
     stretch.fill_chords(room.kin, room.grad)
     return sound
@@ -87,6 +93,7 @@ def forces(physics, q, b, psi, room):
     for e in range(1, n + 1):
         tension[e] = q[e, d]
     clear_gradient(grad)
+    clear_forces(kin.frames)
     if len(physics.axis) == 3:
         psi = holonomy(kin, psi, grad)
     # terms: add_gradient
@@ -100,12 +107,15 @@ def forces(physics, q, b, psi, room):
         weight.add_gradient(physics, kin, q, b, psi, tension, grad)
     if len(physics.axis) == 3:
         twist.add_gradient(physics, kin, q, b, psi, tension, grad)
+    section.add_gradient(physics, kin, q, b, psi, tension, grad)
+    torsion.add_gradient(physics, kin, q, b, psi, tension, grad)
     load.add_gradient(physics, kin, q, b, psi, tension, grad)
     # end
     stretch.add_gradient(physics, kin, q, b, psi, tension, grad)
     if physics.drop:
         on_sphere.add_gradient(physics, kin, q, b, psi, tension, grad)
         pin.add_gradient(physics, kin, q, b, psi, tension, grad)
+    add_moments(kin, grad, room.r, kin.frames)
     turn_into_edges(physics.axis, kin, grad)
     for k in range(d):
         for i in range(n + 1):
@@ -113,7 +123,8 @@ def forces(physics, q, b, psi, room):
     total = 0.0
     for i in range(n + 1):
         room.r[i, d] = grad.constraint[i]
-        total += room.r[i, 0] + room.r[i, 1] + room.r[i, d - 1] + room.r[i, d]
+        total += room.r[i, 0] + room.r[i, 1] + room.r[i, d - 1] + room.r[i, len(physics.row) - 1]
+        total += room.r[i, d]
     for i in range(kin.node_a, kin.node_b + 1):
         for k in range(d):
             grad.border[X_C + k] -= grad.node[i, k]  # moving the drop is moving the nodes back
@@ -188,9 +199,11 @@ def hold_idle(d, hess):
 
 @kernel
 def hessian(physics, q, b, psi, room):
-    """Fill ``room.linear`` at the state whose ``gradient`` was taken last."""
+    """Fill ``room.linear`` at the state whose ``gradient`` was taken last; renew its frames' references."""
     hess, kin, tension = room.hess, room.kin, room.tension
     clear_hessian(physics.axis, kin, hess)
+    renew(q, kin.tangent, kin.frames)
+    clear_second(kin.frames)
     # terms: add_hessian
     bending.add_hessian(physics, kin, q, b, psi, tension, hess)
     defect.add_hessian(physics, kin, q, b, psi, tension, hess)
@@ -202,8 +215,11 @@ def hessian(physics, q, b, psi, room):
         weight.add_hessian(physics, kin, q, b, psi, tension, hess)
     if len(physics.axis) == 3:
         twist.add_hessian(physics, kin, q, b, psi, tension, hess)
+    section.add_hessian(physics, kin, q, b, psi, tension, hess)
+    torsion.add_hessian(physics, kin, q, b, psi, tension, hess)
     load.add_hessian(physics, kin, q, b, psi, tension, hess)
     # end
+    add_second(kin, hess, kin.frames)
     stretch.add_hessian(physics, kin, q, b, psi, tension, hess)
     if physics.drop:
         on_sphere.add_hessian(physics, kin, q, b, psi, tension, hess)
@@ -221,5 +237,5 @@ def hessian(physics, q, b, psi, room):
 def turns_freely(physics):
     """Return whether turning the coil about the clamp axis costs nothing."""
     # terms: breaks_turn
-    return physics.weight == 0.0
+    return physics.weight == 0.0 and physics.section == 0.0
     # end

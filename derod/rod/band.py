@@ -14,13 +14,13 @@ DEFLATION = 1e-4  # keeps the turn's row regular where the rod is straight
 
 @inlined
 def fill_band(physics, hess, band):
-    """Turn the edge form into the lower diagonals of K, unknown (d+1)(i-1)+k being q[i, k]."""
-    d = len(physics.axis)
+    """Turn the edge form into the lower diagonals of K, unknown w(i-1)+k being q[i, k]."""
+    d, w = len(physics.axis), len(physics.row)
     n = hess.node.shape[0] - 1
     band[:] = 0.0
     for i in range(1, n):  # free nodes
         for k in range(d):
-            column = (d + 1) * (i - 1) + k
+            column = w * (i - 1) + k
             for m in range(d):
                 if m >= k:
                     band[column, m - k] = (
@@ -31,22 +31,24 @@ def fill_band(physics, hess, band):
                         + hess.node[i, m, k]
                     )
                 if i + 1 < n:
-                    band[column, d + 1 + m - k] = (
+                    band[column, w + m - k] = (
                         -hess.edge[i + 1, m, k]
                         + hess.vertex[i, k, m]
                         + hess.vertex[i + 1, k, m]
                         - hess.skip[i + 1, k, m]
                     )
                 if i + 2 < n:
-                    band[column, 2 * (d + 1) + m - k] = (
+                    band[column, 2 * w + m - k] = (
                         -hess.vertex[i + 1, k, m] + hess.skip[i + 1, k, m] + hess.skip[i + 2, k, m]
                     )
                 if i + 3 < n:
-                    band[column, 3 * (d + 1) + m - k] = -hess.skip[i + 2, k, m]
+                    band[column, 3 * w + m - k] = -hess.skip[i + 2, k, m]
     for k in range(d):
-        band[(d + 1) * (n - 1) + k, 0] = 1.0
+        band[w * (n - 1) + k, 0] = 1.0
+    if w > d + 1:
+        fill_angles(d, w, n, hess, band)
     for e in range(1, n + 1):  # tension rows
-        row = (d + 1) * (e - 1) + d
+        row = w * (e - 1) + d
         for node in range(max(1, e - 2), min(n - 1, e + 1) + 1):
             slot = node - e + 2  # x_{e-2} ... x_{e+1}, by the edges e-1, e, e+1
             for k in range(d):
@@ -55,14 +57,49 @@ def fill_band(physics, hess, band):
                     value += hess.constraint[e, slot - 1, k]
                 if slot <= 2:
                     value -= hess.constraint[e, slot, k]
-                column = (d + 1) * (node - 1) + k
+                column = w * (node - 1) + k
+                band[min(row, column), abs(row - column)] = value
+
+
+@inlined
+def by_angle(d, n, edge, e, k, hess):
+    """Return the second derivative by component k of ``edge`` and the angle of edge e."""
+    if edge < 1 or edge > n:
+        return 0.0
+    if edge == e - 2:
+        return hess.skip[e - 1, k, d]
+    if edge == e - 1:
+        return hess.vertex[e - 1, k, d]
+    if edge == e:
+        return hess.edge[e, k, d]
+    if edge == e + 1:
+        return hess.vertex[e, d, k]
+    if edge == e + 2:
+        return hess.skip[e + 1, d, k]
+    return 0.0
+
+
+@inlined
+def fill_angles(d, w, n, hess, band):
+    """Fill the rows of the angles: theta_e is unknown d + 1 of row e."""
+    for e in range(1, n + 1):
+        row = w * (e - 1) + d + 1
+        band[row, 0] = hess.edge[e, d, d]
+        if e < n:
+            band[row, w] = hess.vertex[e, d, d]
+        if e + 1 < n:
+            band[row, 2 * w] = hess.skip[e + 1, d, d]
+        for i in range(max(1, e - 3), min(n - 1, e + 2) + 1):
+            for k in range(d):
+                column = w * (i - 1) + k
+                value = by_angle(d, n, i, e, k, hess) - by_angle(d, n, i + 1, e, k, hess)
                 band[min(row, column), abs(row - column)] = value
 
 
 @inlined
 def fill_border(physics, q, b, turns_freely, room):
     """Fill the border columns and the corner."""
-    d = len(physics.axis)
+    d, w = len(physics.axis), len(physics.row)
     hess, kin = room.hess, room.kin
     linear = room.linear
     border, corner = linear.border, linear.corner
@@ -76,15 +113,17 @@ def fill_border(physics, q, b, turns_freely, room):
         for s in range(2):
             if i < n:
                 for k in range(d):
-                    border[(d + 1) * (i - 1) + k, s] = (
+                    border[w * (i - 1) + k, s] = (
                         hess.edge_menisci[s, i, k]
                         - hess.edge_menisci[s, i + 1, k]
                         + hess.node_menisci[s, i, k]
                     )
-            border[(d + 1) * (i - 1) + d, s] = hess.constraint_menisci[s, i]
+            border[w * (i - 1) + d, s] = hess.constraint_menisci[s, i]
+            for k in range(d + 1, w):
+                border[w * (i - 1) + k, s] = hess.edge_menisci[s, i, k - 1]
     for i in range(kin.node_a, kin.node_b + 1):  # moving the drop is moving the nodes back
         for k in range(d):
-            row = (d + 1) * (i - 1) + k
+            row = w * (i - 1) + k
             for m in range(d):
                 border[row, X_C + m] = -hess.node[i, k, m]
                 corner[X_C + k, X_C + m] += hess.node[i, k, m]
@@ -94,10 +133,10 @@ def fill_border(physics, q, b, turns_freely, room):
     for side in range(2 if physics.drop else 0):
         i = kin.node_a if side == 0 else kin.node_b
         for k in range(d):
-            border[(d + 1) * (i - 1) + k, F_A + d + side] = 2 * (q[i, k] - b[X_C + k])
+            border[w * (i - 1) + k, F_A + d + side] = 2 * (q[i, k] - b[X_C + k])
     if d == 3:
         fill_twist(physics, room.grad, border, corner)
-        fill_turn(kin, q, b, turns_freely, border, corner)
+        fill_turn(w, kin, q, b, turns_freely, border, corner)
     if physics.slides:
         free_end(physics, hess, room.grad, linear)
 
@@ -112,11 +151,11 @@ def fill_twist(physics, grad, border, corner):
     corner[moment, moment] = -physics.length / physics.twisting
     for i in range(1, grad.node.shape[0] - 1):
         for k in range(3):
-            border[4 * (i - 1) + k, moment] = grad.holonomy[k, i] - grad.holonomy[k, i + 1]
+            border[len(physics.row) * (i - 1) + k, moment] = grad.holonomy[k, i] - grad.holonomy[k, i + 1]
 
 
 @inlined
-def fill_turn(kin, q, b, neutral, border, corner):
+def fill_turn(w, kin, q, b, neutral, border, corner):
     """Fill the row of the turn about the clamp axis: deflated where it is neutral, else idle."""
     turn = TURN + 3
     if not neutral:
@@ -124,7 +163,7 @@ def fill_turn(kin, q, b, neutral, border, corner):
         return
     square = 0.0
     for i in range(1, q.shape[0] - 1):
-        row = 4 * (i - 1)
+        row = w * (i - 1)
         dual = 0.5 * (kin.rest[i] + kin.rest[i + 1])
         border[row, turn] = -dual * q[i, 1]
         border[row + 1, turn] = dual * q[i, 0]
@@ -143,7 +182,7 @@ def end_column(physics, hess, grad, column, border):
 
     The row of z_N itself, for its own second derivative, is part of the column.
     """
-    d = len(physics.axis)
+    d, w = len(physics.axis), len(physics.row)
     n = hess.node.shape[0] - 1
     z = d - 1
     column[:] = 0.0
@@ -152,14 +191,17 @@ def end_column(physics, hess, grad, column, border):
         near, next_one, last = (
             hess.vertex[n - 1, k, z],
             hess.skip[n - 1, k, z],
-            (d + 1) * (n - 2) + k,
+            w * (n - 2) + k,
         )
         column[last] = near - hess.edge[n, k, z]
-        column[last - (d + 1)] = next_one - near
-        column[last - 2 * (d + 1)] = -next_one
-    column[(d + 1) * (n - 1) + z] = hess.edge[n, z, z]
-    column[(d + 1) * (n - 1) + d] = hess.constraint[n, 1, z]
-    column[(d + 1) * (n - 2) + d] = hess.constraint[n - 1, 2, z]
+        column[last - w] = next_one - near
+        column[last - 2 * w] = -next_one
+    column[w * (n - 1) + z] = hess.edge[n, z, z]
+    column[w * (n - 1) + d] = hess.constraint[n, 1, z]
+    column[w * (n - 2) + d] = hess.constraint[n - 1, 2, z]
+    for e in range(n - 2, n + 1):
+        for k in range(d + 1, w):
+            column[w * (e - 1) + k] = by_angle(d, n, n, e, z, hess)
     for s in range(2):
         border[s] = hess.edge_menisci[s, n, z]
     if d == 3 and physics.twisting > 0:
@@ -169,18 +211,22 @@ def end_column(physics, hess, grad, column, border):
 @inlined
 def free_end(physics, hess, grad, linear):
     """Let the end clamp slide: give z_N its row."""
-    d = len(physics.axis)
+    d, w = len(physics.axis), len(physics.row)
     n = hess.node.shape[0] - 1
-    end = (d + 1) * (n - 1) + d - 1
+    end = w * (n - 1) + d - 1
     linear.band[end, 0] = hess.edge[n, d - 1, d - 1]
     linear.band[end, 1] = hess.constraint[n, 1, d - 1]
-    linear.band[end - d, d] = hess.constraint[n - 1, 2, d - 1]
+    linear.band[end - w + 1, w - 1] = hess.constraint[n - 1, 2, d - 1]
     for k in range(d):
         near, next_one = hess.vertex[n - 1, k, d - 1], hess.skip[n - 1, k, d - 1]
-        last = (d + 1) * (n - 2) + k
+        last = w * (n - 2) + k
         linear.band[last, end - last] = near - hess.edge[n, k, d - 1]
-        linear.band[last - (d + 1), end - last + (d + 1)] = next_one - near
-        linear.band[last - 2 * (d + 1), end - last + 2 * (d + 1)] = -next_one
+        linear.band[last - w, end - last + w] = next_one - near
+        linear.band[last - 2 * w, end - last + 2 * w] = -next_one
+    for e in range(n - 2, n + 1):
+        for k in range(d + 1, w):
+            row = w * (e - 1) + k
+            linear.band[min(row, end), abs(row - end)] = by_angle(d, n, n, e, d - 1, hess)
     for s in range(2):
         linear.border[end, s] = hess.edge_menisci[s, n, d - 1]
     if d == 3 and physics.twisting > 0:

@@ -3,6 +3,7 @@
 ``Physics`` is a named tuple in units of K and D:
 
     axis      clamp tangent e_z; its length is the dimension d
+    row       as long as a row of unknowns: d places, a tension, and an angle where the section needs one
     length    l
     drop      whether there is one; without, b is idle
     slides    whether the end clamp slides along the axis under a dead load (``terms.load``)
@@ -22,7 +23,7 @@ from derod.scene import Scene
 AXES = {2: (0.0, 1.0), 3: (0.0, 0.0, 1.0)}
 CONSTANTS = {name: make for term in TERMS for name, make in term.constants.items()}
 
-FIELDS = ("axis", "length", "drop", "slides", *CONSTANTS)
+FIELDS = ("axis", "row", "length", "drop", "slides", *CONSTANTS)
 named: Any = collections.namedtuple  # fields that are known at run time only
 Physics = named("Physics", FIELDS)
 
@@ -32,13 +33,16 @@ def physics_of(scene: Scene) -> Any:
     made = {name: float(make(scene)) for name, make in CONSTANTS.items()}
     slides = scene.clamps.end_tension is not None
     return constants(
-        scene.model.dimension, scene.rod.length, drop=scene.drop is not None, slides=slides, **made
-    )
+        scene.model.dimension, scene.rod.length, drop=scene.drop is not None, slides=slides,
+        angles=scene.has_frames, **made,
+    )  # fmt: skip
 
 
 def constants(
-    dimension: int, length: float, *, drop: bool, slides: bool = False, **terms: float
+    dimension: int, length: float, *, drop: bool, slides: bool = False, angles: bool = False,
+    **terms: float,
 ) -> Any:
     """Return constants by name; those of terms that are not given are 0."""
     given = dict.fromkeys(CONSTANTS, 0.0) | terms
-    return Physics(AXES[dimension], float(length), drop, slides, **given)
+    row = (0.0,) * (dimension + 1 + angles)
+    return Physics(AXES[dimension], row, float(length), drop, slides, **given)

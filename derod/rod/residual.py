@@ -21,7 +21,7 @@ WALL_ROUNDING = 2.0  # of the wall's
 def excess(physics, r, rb, kin, tolerance):
     """Return (largest ratio of a residual to its tolerance, largest force residual in K0/D^2).
 
-    Forces are held to ``tolerance`` (K0/D^2), lengths to ``tolerance`` (relative); at most 1 is
+    Forces are held to ``tolerance`` (K0/D^2), moments about edges too (K0/D), lengths to ``tolerance`` (relative); at most 1 is
     converged. The ends' rows are reactions and are left out, but for the axial
     one of an end that slides.
     """
@@ -50,6 +50,10 @@ def excess(physics, r, rb, kin, tolerance):
             worst = max(worst, abs(r[i, k]) / allowed)
     stiffness = ROUNDING / (shortest * shortest) + WALL_ROUNDING * np.sqrt(barrier)
     allowed = tolerance + EPS * physics.length * stiffness
+    for e in range(1, n + 1):
+        for k in range(d + 1, len(physics.row)):
+            moment = tolerance + EPS * ROUNDING * physics.length / (kin.rest[e] * kin.rest[e])
+            worst = max(worst, abs(r[e, k]) / moment)
     for k in range(F_A + d):
         force = max(force, abs(rb[k]))
         worst = max(worst, abs(rb[k]) / allowed)

@@ -7,14 +7,14 @@ from typing import Any
 
 import numpy as np
 
-from derod.rod.unknowns import ETA, F_A, F_B, S_A, S_B, X_C
+from derod.rod.unknowns import ANGLE, ETA, F_A, F_B, S_A, S_B, X_C
 
 
 @dataclass(slots=True)
 class State:
     """Unknowns of the discrete rod, in the arrays the kernels work on (``rod.unknowns``)."""
 
-    q: np.ndarray  # (N+1, d+1): positions, and the tension of the edge that ends there
+    q: np.ndarray  # (N+1, d+1): positions, and the tension of the edge that ends there; more with angles
     b: np.ndarray  # (d+5,): s_A, s_B, x_C, f_A, f_B, eta
     holonomy: float  # psi, radians, on the branch followed so far
     end_shortening: float  # delta, D; where the end slides, as far as the last relaxation took it
@@ -23,7 +23,12 @@ class State:
     @property
     def dimension(self) -> int:
         """Return d, 2 or 3."""
-        return self.q.shape[1] - 1
+        return len(self.physics.axis)
+
+    @property
+    def width(self) -> int:
+        """Return w, the unknowns of a row of q."""
+        return len(self.physics.row)
 
     @property
     def menisci(self) -> tuple[float, float]:
@@ -55,6 +60,11 @@ class State:
     def edge_tension(self) -> np.ndarray:
         """Return a copy of the tensions, (N,), K0/D^2."""
         return self.q[1:, self.dimension].copy()
+
+    @property
+    def edge_frame(self) -> np.ndarray | None:
+        """Return a copy of angles and references, (N, 7), of a section with directions; else None."""
+        return self.q[1:, ANGLE:].copy() if self.width > self.dimension + 1 else None
 
     def equals(self, other: State) -> bool:
         """Return whether the other state is the same to the last bit."""

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 
 from derod.errors import SceneError
 from derod.scene.experiment import Group, left_out, si_quantities
-from derod.scene.material import check_one_stiffness
+from derod.scene.directors import check_pushable
 from derod.scene.tables import Scene
 from derod.scene.writing import dimensionless_groups
 
@@ -16,9 +16,9 @@ DIGITS = 8  # enough for 1e-6 of any value
 def pushable_words(scene: Scene) -> str:
     """Whether the scene can be pushed."""
     try:
-        check_one_stiffness(scene)
+        check_pushable(scene)
     except SceneError as error:
-        return f"a scene that cannot be pushed yet: it {error.problem}"
+        return f"a scene that cannot be pushed yet: {error.key} {error.problem}"
     return "a scene that can be pushed"
 
 

@@ -177,28 +177,6 @@ def with_groups(
     return tables
 
 
-def check_one_stiffness(scene: Scene) -> None:
-    """Raise SceneError where the rod has two bending stiffnesses, which nothing can push yet."""
-    material = scene.material
-    if scene.rod.bending_2 is None or scene.rod.bending_2 == scene.rod.bending:
-        return
-    if material is None or material.width is None:
-        raise SceneError(
-            "asks for two bending stiffnesses, which cannot be pushed yet",
-            file=scene.path,
-            key="rod.bending",
-            value=[scene.rod.bending, scene.rod.bending_2],
-            allowed="one number to push the rod (derod branch and derod check take two)",
-        )
-    raise SceneError(
-        "makes a section with two bending stiffnesses, which cannot be pushed yet",
-        file=scene.path,
-        key="material.width",
-        value=plain_measured(material.width, "length"),
-        allowed="a circular or a square section to push the rod (derod branch and derod check take this one)",
-    )
-
-
 def _check_section(material: Material, path: str | None) -> None:
     """A diameter, or a width and a height that is no larger."""
     d, w, h = material.diameter, material.width, material.height

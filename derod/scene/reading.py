@@ -207,6 +207,9 @@ def _read_table(
         values["at"] = tuple(sorted(values["at"]))
     if isinstance(values.get("bending"), tuple):
         values["bending"], values["bending_2"] = values["bending"]
+    if values.get("directors") is not None:
+        start, end = values["directors"]
+        values.setdefault("end_rotation", end - start)
     return struct(**values)
 
 

@@ -31,6 +31,16 @@ def _bending(value: object) -> float | tuple[float, float]:
     return read_number(value[0]), read_number(value[1])
 
 
+def _pair(value: object) -> tuple[float, float]:
+    if not isinstance(value, list) or len(value) != 2:
+        raise ValueError("is no pair of numbers")
+    return read_quantity(value[0]), read_quantity(value[1])
+
+
+def _both_finite(value: tuple[float, float]) -> bool:
+    return all(abs(x) <= LARGEST for x in value)
+
+
 def _stiff(value: float | tuple[float, float]) -> bool:
     both = value if isinstance(value, tuple) else (value,)
     return all(WEAKEST <= x <= STRONGEST for x in both)
@@ -99,6 +109,10 @@ KEYS: dict[str, dict[str, Key]] = {
         ),
         "bending": Key(_bending, _stiff, "a number from 1e-12 to 1e9, or two, [K1, K2]"),
         "twisting": Key(read_number, lambda x: 0.0 <= x <= STRONGEST, "a number from 0 to 1e9"),
+        "natural_curvature": Key(
+            _pair, _both_finite, "two numbers, [k1, k2], about d_1 and d_2, in 1/D"
+        ),
+        "natural_twist": Key(read_quantity, lambda x: abs(x) <= LARGEST, "a number, in rad/D"),
     },
     "drop": {
         "capillary_force": Key(
@@ -112,7 +126,12 @@ KEYS: dict[str, dict[str, Key]] = {
         ),
         "weight": Key(read_number, HELD["weight"].holds, HELD["weight"].allowed),
     },
-    "clamps": {name: _held(name) for name in ("end_rotation", SHORTENING, TENSION)},
+    "clamps": {
+        **{name: _held(name) for name in ("end_rotation", SHORTENING, TENSION)},
+        "directors": Key(
+            _pair, _both_finite, "two angles from e_x to d_1, [alpha_0, alpha_L], e.g. [0, 'pi/2']"
+        ),
+    },
     "push": {
         **_PATH,
         "start": Key(read_quantity, _finite, _end_shortening),

@@ -59,6 +59,10 @@ class Rod(Table, frozen=True, kw_only=True):
     """K2/K0, of bending about d_2: the second of ``rod.bending = [K1, K2]``. None: K1."""
     twisting: float
     """k3 = K3/K0."""
+    natural_curvature: tuple[float, float] | None = None
+    """(k_1, k_2), D^-1: the curvatures about d_1 and d_2 of the unloaded rod. None: it is straight."""
+    natural_twist: float | None = None
+    """tau_0, rad/D, of the unloaded rod. None: it has none."""
 
 
 def written_fields(table: Table) -> dict[str, Any]:
@@ -66,6 +70,8 @@ def written_fields(table: Table) -> dict[str, Any]:
     given = {name: getattr(table, name) for name in table.__struct_fields__}
     if isinstance(table, Rod) and table.bending_2 is not None:
         given["bending"] = (table.bending, given.pop("bending_2"))
+    if isinstance(table, Clamps) and table.directors is not None:
+        del given["end_rotation"]  # their difference
     return {name: value for name, value in given.items() if value is not None}
 
 
@@ -86,7 +92,9 @@ class Clamps(Table, frozen=True, kw_only=True):
     """The two clamps, facing each other on one axis."""
 
     end_rotation: float = 0.0
-    """R, rad: how far the end clamp is turned about the axis."""
+    """R, rad: how far the end clamp is turned about the axis; with ``directors`` alpha_L - alpha_0."""
+    directors: tuple[float, float] | None = None
+    """(alpha_0, alpha_L), rad: the angles from e_x to d_1 at both clamps, where a section has directions."""
     end_shortening: float | None = None
     """delta, D: held where another control pushes first; None where nothing holds it."""
     end_tension: float | None = None
@@ -183,6 +191,14 @@ class Scene(msgspec.Struct, frozen=True, kw_only=True, eq=False):
     model: Model = Model()
     path: str | None = None
     """The file it came from, for messages."""
+
+    @property
+    def has_frames(self) -> bool:
+        """Whether edges need frames: two bending stiffnesses or a natural shape, in space."""
+        rod = self.rod
+        two = rod.bending_2 is not None and rod.bending_2 != rod.bending
+        shaped = any(rod.natural_curvature or ()) or bool(rod.natural_twist)
+        return self.model.dimension == 3 and (two or shaped)
 
     @property
     def text(self) -> str:

@@ -8,6 +8,7 @@ from typing import Any, NoReturn
 
 from derod.errors import SceneError
 from derod.scene.controls import HELD
+from derod.scene.directors import check_directors
 from derod.scene.plan import LEAST_STEP
 from derod.scene.program import SHORTENING, legs, slides_at_start, ways
 from derod.scene.quantities import write_quantity
@@ -34,6 +35,7 @@ def check_together(scene: Scene) -> None:
     _check_controls(scene)
     _check_legs(scene)
     _check_landings(scene)
+    check_directors(scene)
     if scene.model.dimension == 2 and scene.clamps.end_rotation != 0.0:
         _fail(
             scene,

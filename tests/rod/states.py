@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from derod.rod import arrays, assembly
+from derod.rod import arrays, assembly, frames
 from derod.rod.arrays import Mesh
 from derod.rod.grid import lay_grid
 from derod.rod.mesh import dry_mesh, wetted_mesh
@@ -14,23 +14,39 @@ from derod.scene.tables import Mesh as MeshOptions
 LENGTH = 3.0
 ROTATION = 1.0
 LAYER = 0.2  # elastocapillary length, D
+SECTION = {
+    "angles": True,
+    "section": 1.0,
+    "stiffening": 2.5,
+    "torsion": 0.7,
+    "natural_curvature_1": 0.3,
+    "natural_curvature_2": -0.4,
+    "natural_twist": 0.5,
+    "director_start": 0.3,
+    "director_end": 0.8,
+}
 
 
 class Sample:
     """A state (q, b), its constants and room to work in."""
 
-    def __init__(self, d: int, edges: int = 24, turns: float = 0.0, drop: bool = True) -> None:
+    def __init__(
+        self, d: int, edges: int = 24, turns: float = 0.0, drop: bool = True,
+        section: bool = False,
+    ) -> None:
         self.physics = constants(
             d,
             LENGTH,
             drop=drop,
-            twisting=0.9,
+            twisting=0.0 if section else 0.9,
             end_rotation=ROTATION if d == 3 else 0.0,
             capillary_force=20.0,
             wall_strength=2e-2,
             wall_softness=0.1,
             weight=3.0,
+            **(SECTION if section else {}),
         )
+        self.w = len(self.physics.row)
         options = MeshOptions(edges=edges, inner_grading=0.3)
         self.mesh: Mesh = wetted_mesh(options, LAYER) if drop else dry_mesh(edges)
         self.room = arrays.new_room(self.mesh, self.physics)
@@ -38,7 +54,7 @@ class Sample:
         self.psi = 0.0
         rng = np.random.default_rng(7)
         self.b = np.zeros(d + 5)
-        self.q = np.zeros((edges + 1, d + 1))
+        self.q = arrays.new_q(edges, self.physics)
         if drop:
             self.b[0], self.b[1] = 1.05, 2.0
         lay_grid(self.mesh, LENGTH, self.b, self.room.kin)
@@ -50,6 +66,9 @@ class Sample:
             self.q[:, 0] = bump * np.cos((9 + turns) * s)
         self.q[0] = 0
         self.q[1:, d] = 5 * rng.normal(size=edges)
+        if section:
+            self.q[1:, d + 1] = 0.5 * rng.normal(size=edges)
+            self.renew()
         if drop:
             self.b[1 + d] = self.q[edges // 2, d - 1]
             self.b[2 + d :] = 3.0, 4.0, 0.7
@@ -60,6 +79,11 @@ class Sample:
         assert sound
         self.followed = psi
         return np.concatenate([self.room.r[1:].ravel(), self.room.rb])
+
+    def renew(self) -> None:
+        """Count angles from the present tangents, where derivatives are local."""
+        self.gradient(self.q, self.b)
+        frames.renew(self.q, self.room.kin.tangent, self.room.kin.frames)
 
     def lagrangian(self, q: np.ndarray, b: np.ndarray) -> float:
         """Energies and constraints, put together without the gradient's code."""
@@ -81,8 +105,8 @@ class Sample:
 
     def free(self) -> np.ndarray:
         """Places of the unknowns that may move: all but the end clamp's position."""
-        n = (self.d + 1) * self.edges
-        held = range(n - self.d - 1, n - 1)
+        n = self.w * self.edges
+        held = range(n - self.w, n - self.w + self.d)
         return np.array([i for i in range(n + self.d + 5) if i not in held])
 
 

@@ -6,9 +6,10 @@ imports no kernel, so that files can be read without numba.
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
-from derod.rod.terms.term import Term
+from derod.rod.terms.term import Constant, Term
 
 if TYPE_CHECKING:
     from derod.scene import Scene
@@ -17,6 +18,30 @@ if TYPE_CHECKING:
 def of_drop(name: str, scene: Scene) -> float:
     """Return a force of the drop, K/D^2; 0 without a drop."""
     return 0.0 if scene.drop is None else float(getattr(scene.drop, name)) / scene.rod.bending
+
+
+def of_section(name: str, scene: Scene) -> float:
+    """Return a constant of a section with directions; 0 for an isotropic, naturally straight rod."""
+    if not scene.has_frames:
+        return 0.0
+    rod, clamps = scene.rod, scene.clamps
+    curvature = rod.natural_curvature or (0.0, 0.0)
+    start, end = clamps.directors or (0.0, clamps.end_rotation)
+    return {
+        "section": 1.0,
+        "stiffening": (rod.bending_2 or rod.bending) / rod.bending - 1,
+        "natural_curvature_1": curvature[0],
+        "natural_curvature_2": curvature[1],
+        "director_start": start,
+        "director_end": end,
+        "torsion": rod.twisting / rod.bending,
+        "natural_twist": rod.natural_twist or 0.0,
+    }[name]
+
+
+def section_constants(*names: str) -> dict[str, Constant]:
+    """Return the makers of constants of a section."""
+    return {name: partial(of_section, name) for name in names}
 
 
 def end_tension(scene: Scene) -> float:
@@ -56,9 +81,19 @@ TERMS: list[Term] = [
         part="twist",
         needs="space",
         constants={
-            "twisting": lambda scene: scene.rod.twisting / scene.rod.bending,
+            "twisting": lambda scene: 0.0 if scene.has_frames else scene.rod.twisting / scene.rod.bending,
             "end_rotation": lambda scene: float(scene.clamps.end_rotation),
         },
     ),
+    Term(
+        f"{HOME}.section",
+        part="bend",
+        constants=section_constants(
+            "section", "stiffening", "natural_curvature_1", "natural_curvature_2",
+            "director_start", "director_end",
+        ),
+        breaks_turn="section",
+    ),
+    Term(f"{HOME}.torsion", part="twist", constants=section_constants("torsion", "natural_twist")),
     Term(f"{HOME}.load", part="load", constants={"end_tension": end_tension}),
 ]
