@@ -23,7 +23,7 @@ from derod.scene import (
     load_scene,
     parse_scene,
 )
-from derod.scene.material import check_one_stiffness
+from derod.scene.directors import check_pushable
 from derod.scene.plain import plain_tables
 from derod.scene.plan import ROW_BYTES, check_plan, planned
 from derod.scene.quantities import read_quantity, write_quantity
@@ -111,7 +111,12 @@ WRONG: dict[str, list[Any]] = {
     "integer": [1.5, "12", True, None, [12], {}, math.nan, -1, 10**30],
 }
 IS_INTEGER = {("mesh", "edges"), ("noise", "seed"), ("model", "dimension")}
-MAY_BE_NEGATIVE = {("clamps", "end_rotation"), ("clamps", "end_tension"), ("steps", "stop")}
+MAY_BE_NEGATIVE = {
+    ("rod", "natural_twist"),
+    ("clamps", "end_rotation"),
+    ("clamps", "end_tension"),
+    ("steps", "stop"),
+}
 IS_LIST = {("push", "at"), ("steps", "at")}
 IS_SWITCH = {("model", "drop"), ("push", "locate")}
 
@@ -449,11 +454,47 @@ def test_no_drop() -> None:
     assert error_of({**short, "push": {"stop": 0.5}}).key == "push.stop"
 
 
-def test_not_yet() -> None:
-    scene = build_scene(with_value("rod", "bending", [1, 2]), "some.toml")
-    with pytest.raises(SceneError, match="cannot be pushed yet") as caught:
-        check_one_stiffness(scene)
-    assert names_all(caught.value, "rod.bending")
+@pytest.mark.parametrize(
+    ("changes", "key"),
+    [
+        ({"rod.bending": [1, 2]}, "clamps.directors"),
+        ({"rod.natural_curvature": [1, 0]}, "clamps.directors"),
+        ({"rod.bending": [1, 2], "clamps.directors": [0, 0], "rod.twisting": 0}, "rod.twisting"),
+        (
+            {"rod.bending": [1, 2], "clamps.directors": [0, 0], "relax.method": "fire"},
+            "relax.method",
+        ),
+    ],
+)
+def test_a_section_lacks_what_a_push_needs(changes: dict[str, Any], key: str) -> None:
+    scene = build_scene(BASE, "some.toml").replace(changes)
+    with pytest.raises(SceneError) as caught:
+        check_pushable(scene)
+    assert caught.value.key == key and str(caught.value).count("\n") == 0
+
+
+def test_directors() -> None:
+    scene = build_scene(with_value("clamps", "directors", [0, "pi/2"]))
+    assert scene.clamps.directors == (0.0, math.pi / 2)
+    assert scene.clamps.end_rotation == math.pi / 2, "their difference"
+    assert "end_rotation" not in scene.text
+    assert parse_scene(scene.text) == scene and build_scene(plain_tables(scene)) == scene
+    for wrong in ([0], [0, 1, 2], 0, ["a", 0], [0, math.inf]):
+        assert names_all(error_of(with_value("clamps", "directors", wrong)), "clamps.directors")
+    both = with_value("clamps", "directors", [0, 1])
+    both["clamps"]["end_rotation"] = 2
+    assert names_all(error_of(both), "clamps.end_rotation")
+
+
+def test_natural_shape() -> None:
+    scene = build_scene(with_value("rod", "natural_curvature", [0.5, -1]))
+    assert scene.rod.natural_curvature == (0.5, -1.0) and scene.has_frames
+    assert parse_scene(scene.text) == scene
+    assert not build_scene(with_value("rod", "natural_twist", 0)).has_frames
+    for name in ("natural_curvature", "natural_twist"):
+        value = [1, 0] if name == "natural_curvature" else 1
+        planar = with_value("rod", name, value) | {"model": {"dimension": 2}}
+        assert names_all(error_of(planar), f"rod.{name}")
 
 
 def test_two_bending_stiffnesses() -> None:
@@ -463,7 +504,9 @@ def test_two_bending_stiffnesses() -> None:
     assert parse_scene(scene.text) == scene and build_scene(plain_tables(scene)) == scene
     assert scene.replace({"rod.bending": 3}).rod.bending_2 is None
     assert scene.replace({"rod.twisting": 3}).rod.bending_2 == 2.0
-    check_one_stiffness(build_scene(with_value("rod", "bending", [2, 2])))
+    same = build_scene(with_value("rod", "bending", [2, 2]))
+    check_pushable(same)
+    assert not same.has_frames, "it is a round rod, to the last bit"
     for wrong in ([1], [1, 2, 3], [1, -1], [1, "2"], [[1], 2], []):
         assert names_all(error_of(with_value("rod", "bending", wrong)), "rod.bending")
     assert error_of(with_value("rod", "bending_2", 2)).key == "rod.bending_2"

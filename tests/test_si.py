@@ -394,18 +394,24 @@ def test_the_command_answers_2(tmp_path: Path, capsys: pytest.CaptureFixture[str
             assert written.count("\n") == 1 and f"{file}: material." in written and new in written
 
 
-# -- rectangles cannot be pushed yet
+# -- rectangles
 
 
-def test_a_strip_is_read_but_not_pushed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_strip_is_pushed_if_it_knows_its_directors(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     strip = RUNS / "pvs-strip.toml"
     assert cli.main(["check", str(strip)]) == 0
-    assert "cannot be pushed yet" in capsys.readouterr().out.splitlines()[0]
+    assert "can be pushed" in capsys.readouterr().out.splitlines()[0]
+    lost = tmp_path / "lost.toml"
+    lost.write_text(strip.read_text().replace("[clamps]\ndirectors = [0, 0]\n", ""))
     out = tmp_path / "strip.h5"
-    assert cli.main(["push", str(strip), "-o", str(out)]) == 2
+    assert cli.main(["push", str(lost), "-o", str(out)]) == 2
     line = capsys.readouterr().err
     assert line.count("\n") == 1 and "two bending stiffnesses" in line
-    assert "material.width" in line and not out.exists()
+    assert "clamps.directors" in line and not out.exists()
+    run = derod.push(load_scene(strip).replace({"push.stop": "0.2 pi", "mesh.edges": 60}))
+    assert run.outcome == "completed" and run.table["energy_twist"].max() == 0.0
 
 
 def test_a_strip_has_branches() -> None:

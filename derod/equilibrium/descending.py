@@ -78,7 +78,6 @@ def descend_step(physics, mesh, rules, shift, psi_old, room, factor, q, b, work)
     with, psi, excess, force residual, whether the energy had a direction of negative curvature, and whether a
     kick along it would gain more than the step); ``room`` holds the gradient, on entry and on return.
     """
-    d = len(physics.axis)
     old, force = excess(physics, room.r, room.rb, room.kin, rules.tolerance)
     sharp = max(SHARP, sharpest(room.kin))
     slack = ENERGY_ROUNDING * (1 + physics.capillary_force) * physics.length

@@ -195,8 +195,8 @@ class System:
     ) -> tuple[np.ndarray, np.ndarray]:
         """Solve with the Hessian that was factored last, with a step of iterative refinement or without.
 
-        ``right`` has a row for each of the nodes 1 ... N, like the unknowns of ``q[1:]``; ``right_border`` one for each
-        border row. Returns the solution in the same shapes.
+        ``right`` has a row for each of the nodes 1 ... N, like the unknowns of ``q[1:]``;
+        ``right_border`` one for each border row. Returns the solution in the same shapes.
         """
         own = self.factor.rhs[: right.size]
         self.factor.rhs[:] = 0.0

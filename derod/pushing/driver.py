@@ -235,9 +235,7 @@ class Push:
 
 def frame_of(run: Run, i: int) -> Frame:
     """Return a recorded frame."""
-    return Frame(
-        run.table[i], run.positions(i), run.arc_length(i), run.drop_center(i), run.edge_tension(i)
-    )
+    return run.frame_at(i)
 
 
 def drive(scene: Scene, observers: Sequence[Observer], resume: Run | None = None) -> Ending:

@@ -77,7 +77,11 @@ def read_only(frame: Frame) -> Frame:
     """The frame as others may see it: the push goes on from the arrays themselves."""
     return Frame(
         frame.row.copy(),
-        *map(_view, (frame.positions, frame.arc_length, frame.drop_center, frame.edge_tension)),
+        _view(frame.positions),
+        _view(frame.arc_length),
+        _view(frame.drop_center),
+        _view(frame.edge_tension),
+        None if frame.edge_frame is None else _view(frame.edge_frame),
     )
 
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from derod.record import profiles as fields
 from derod.record.geometry import MaterialFrame, material_frame
+from derod.record.sections import section_frame, section_moment
 
 if TYPE_CHECKING:
     from derod.record.run import BaseRun
@@ -20,6 +21,9 @@ def curvature(run: BaseRun, i: int) -> np.ndarray:
 
 def directors(run: BaseRun, i: int) -> MaterialFrame:
     """See ``BaseRun.directors``."""
+    frame = run.edge_frame(i)
+    if frame is not None:
+        return section_frame(run.positions(i), run.arc_length(i), frame, run.scene)
     return material_frame(run.positions(i), run.arc_length(i), twist(run, i))
 
 
@@ -32,6 +36,9 @@ def twist(run: BaseRun, i: int) -> float:
 def moment(run: BaseRun, i: int) -> np.ndarray:
     """See ``BaseRun.moment``."""
     rod = run.scene.rod
+    frame = run.edge_frame(i)
+    if frame is not None:
+        return section_moment(run.positions(i), run.arc_length(i), frame, run.scene)
     bend = fields.curvature_vector(run.positions(i), run.arc_length(i))
     return np.asarray(rod.bending * bend + rod.twisting * twist(run, i) * directors(run, i).d3)
 

@@ -26,12 +26,10 @@ from derod.pushing.frames import Ending, Event, Frame
 from derod.record import layout
 from derod.record.column import Cell, Column
 from derod.record.reader import Run
-from derod.record.verify import ARRAYS as VALUES
 from derod.record.verify import HEAD, whole_frames
 from derod.scene import Scene
 from derod.scene.program import legs
 
-ARRAYS = tuple(name.removesuffix("/value") for name in VALUES)
 METADATA_BYTES = 128 * 1024
 """Room kept for HDF5's own bookkeeping ahead of a frame; its largest index block is smaller."""
 FRAMES_AHEAD = 8
@@ -51,7 +49,8 @@ class GrowingFile:
         self.nodes = edges + 1
         self.frames = 0
         self.events = 0
-        self._frame_bytes = 8 * (4 * self.nodes + edges + 5) + layout.STORED_ROW.itemsize
+        per_edge = 8 if scene.has_frames else 1
+        self._frame_bytes = 8 * (4 * self.nodes + per_edge * edges + 5) + layout.STORED_ROW.itemsize
         self._reserved = 0
         self._lock = Lock.make(path)
         try:
@@ -101,14 +100,14 @@ class GrowingFile:
     def _write_frame(self, frame: Frame, i: int) -> int:
         """Write a frame; return its checksum."""
         self._reserve()
-        arrays = [
-            np.ascontiguousarray(array, dtype="f8")
-            for array in (frame.positions, frame.arc_length, frame.edge_tension, frame.drop_center)
-        ]
+        given = [frame.positions, frame.arc_length, frame.edge_tension, frame.drop_center]
+        if frame.edge_frame is not None:
+            given.append(frame.edge_frame)
+        arrays = [np.ascontiguousarray(array, dtype="f8") for array in given]
         time = float(frame.row[self._controls[int(frame.row["segment"])]])
         check = frame_digest(i, frame.row.tobytes(), arrays, time)
         self._row[:] = np.frombuffer(frame.row.tobytes() + check.to_bytes(8, "little"), "u1")
-        for name, array in zip(ARRAYS, arrays, strict=True):
+        for name, array in zip(self._arrays, arrays, strict=True):
             self._values[name].write(i, array)
         self._values[layout.TABLE].write(i, self._row.view(layout.STORED_ROW)[0])
         self._step.write(i, i)
@@ -223,6 +222,9 @@ class GrowingFile:
             layout.EDGE_TENSION: (edges,),
             layout.DROP: (1, 3),
         }
+        if scene.has_frames:
+            shapes[layout.EDGE_FRAME] = (edges, 7)
+        self._arrays = tuple(shapes)
         self._values = {
             name: Column(file, f"{name}/value", "f8", shape, per_chunk=1, unit=layout.UNITS[name])
             for name, shape in shapes.items()
@@ -233,7 +235,7 @@ class GrowingFile:
         for name, unit in layout.ROW_UNITS.items():
             table.dataset.attrs[f"unit {name}"] = fixed(unit)
         self._values[layout.TABLE] = table
-        for name in layout.ELEMENTS[1:]:
+        for name in (*self._arrays[1:], layout.TABLE):
             file[f"{name}/step"] = self._step.dataset
             file[f"{name}/time"] = self._time.dataset
         self._events = Column(file, layout.EVENTS, layout.STORED_EVENT, per_chunk=16)
@@ -245,7 +247,8 @@ class GrowingFile:
         self._committed = Cell(file, layout.COMMITTED, "i8", (0, 0))
         self._row = np.zeros(layout.STORED_ROW.itemsize, "u1")
         text = scene.text.encode("utf-8")
-        heads = {name: attributes(file[name]) for name in HEAD}
+        head = (*HEAD, f"{layout.EDGE_FRAME}/value") if scene.has_frames else HEAD
+        heads = {name: attributes(file[name]) for name in head}
         file.attrs[layout.CHECK] = np.uint64(head_digest(text, heads))
 
 

@@ -102,6 +102,8 @@ class Head:
             layout.EDGE_TENSION: (nodes - 1,),
             layout.DROP: (1, 3),
         }
+        if layout.EDGE_FRAME in self.file:
+            shapes[layout.EDGE_FRAME] = (nodes - 1, 7)
         for name, shape in shapes.items():
             values = self._dataset(f"{name}/value")
             if values.shape[1:] != shape or values.dtype != "f8":

@@ -8,6 +8,7 @@
     /particles/rod/position/    step (T), time (T), value (T, N+1, 3)
     /particles/rod/arc_length/  step, time, value (T, N+1)
     /particles/rod/edge_tension/ step, time, value (T, N)
+    /particles/rod/edge_frame/  step, time, value (T, N, 7), only of sections with directions
     /particles/drop/position/   step, time, value (T, 1, 3)
     /observables/push/          step, time, value (T) of rows.ROW
     /events                     (E) of EVENT_TYPE
@@ -42,6 +43,8 @@ SCENE = "parameters/scene"
 POSITION = "particles/rod/position"
 ARC_LENGTH = "particles/rod/arc_length"
 EDGE_TENSION = "particles/rod/edge_tension"
+EDGE_FRAME = "particles/rod/edge_frame"
+"""Only in runs of sections with directions: what ``Frame.edge_frame`` says."""
 DROP = "particles/drop/position"
 TABLE = "observables/push"
 ELEMENTS = (POSITION, ARC_LENGTH, EDGE_TENSION, DROP, TABLE)
@@ -55,6 +58,7 @@ UNITS = {
     POSITION: "D",
     ARC_LENGTH: "D",
     EDGE_TENSION: "K0 D-2",
+    EDGE_FRAME: "rad, 1, 1, 1, 1, 1, 1",
     DROP: "D",
 }
 

@@ -15,6 +15,7 @@ ATTRIBUTES = {
     layout.POSITION: "positions",
     layout.ARC_LENGTH: "arc_length",
     layout.EDGE_TENSION: "edge_tension",
+    layout.EDGE_FRAME: "edge_frame",
     layout.DROP: "drop_center",
 }
 """Where a Frame keeps what the layout of a file calls by these names."""

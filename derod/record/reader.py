@@ -160,6 +160,11 @@ class Run(BaseRun):
         """Whether its rows have the columns of today, so that copied rows keep their checks."""
         return layout.has_our_columns(self._found[f"{layout.TABLE}/value"].dtype)
 
+    @property
+    def has_edge_frames(self) -> bool:
+        """Whether it records the frames of a section with directions."""
+        return f"{layout.EDGE_FRAME}/value" in self._head.found
+
     def field(self, name: str, i: int) -> np.ndarray:
         """The array of increment ``i`` that the layout calls ``name``."""
         return self._read(f"{name}/value", i)

@@ -88,6 +88,10 @@ class BaseRun(ABC):
         """Tension in the edges of increment ``i``, (N,), K0/D^2."""
         return self.field(layout.EDGE_TENSION, self.index(i))
 
+    def edge_frame(self, i: int) -> np.ndarray | None:
+        """Frames of the edges of increment ``i``, (N, 7), as ``Frame`` has them; None of a round rod."""
+        return self.field(layout.EDGE_FRAME, self.index(i)) if self.scene.has_frames else None
+
     def drop_center(self, i: int) -> np.ndarray:
         """Centre of the drop at increment ``i``, (3,), D."""
         return self.field(layout.DROP, self.index(i)).reshape(3)
@@ -209,6 +213,7 @@ class BaseRun(ABC):
             arc_length=self.arc_length(i),
             drop_center=self.drop_center(i),
             edge_tension=self.edge_tension(i),
+            edge_frame=self.edge_frame(i),
         )
 
     def plot(self, kind: str = "path", *others: Any, **options: Any) -> Picture:

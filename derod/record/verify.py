@@ -26,6 +26,16 @@ HEAD = (
 """The objects whose attributes the head's checksum covers."""
 
 
+def arrays_of(run: Run) -> tuple[str, ...]:
+    """What the checksum of a frame of ``run`` covers beside its row, in order."""
+    return (*ARRAYS, f"{layout.EDGE_FRAME}/value") if run.has_edge_frames else ARRAYS
+
+
+def head_of(run: Run) -> tuple[str, ...]:
+    """The objects whose attributes the checksum of the head of ``run`` covers."""
+    return (*HEAD, f"{layout.EDGE_FRAME}/value") if run.has_edge_frames else HEAD
+
+
 def verify_run(run: Run) -> int:
     """Hold all of ``run`` against its checksums; return the number of frames. Raises RecordError."""
     if not run.checksummed:
@@ -46,7 +56,7 @@ def verify_run(run: Run) -> int:
 def verify_head(run: Run) -> None:
     """Hold everything but the frames against its checksums. Raises RecordError."""
     check = run.attributes_of(("",))[""].get(layout.CHECK)
-    if check is None or int(check) != head_digest(run.scene_text, run.attributes_of(HEAD)):
+    if check is None or int(check) != head_digest(run.scene_text, run.attributes_of(head_of(run))):
         raise RecordError(f"{run.path}: is damaged: its head does not fit its checksum")
     _ = run.events, run.extrapolated  # each checked as it is read
 
@@ -58,9 +68,10 @@ def whole_frames(run: Run) -> int:
     table = run.stored_table()
     count = slice(len(run))
     steps, times = run.read_back(count, (STEP, TIME))
+    names = arrays_of(run)
     for i in range(len(run)):
         row, time = table[i], float(times[i])
-        arrays = run.read_back(i, ARRAYS)
+        arrays = run.read_back(i, names)
         fits = int(row[layout.CHECK]) == frame_digest(i, row.tobytes()[:-8], arrays, time)
         if not fits or int(steps[i]) != i:
             return i

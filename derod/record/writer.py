@@ -65,6 +65,8 @@ class RunWriter:
             "drop_center": (frame.drop_center.shape, (3,)),
             "edge_tension": (frame.edge_tension.shape, (file.nodes - 1,)),
         }
+        if frame.edge_frame is not None:
+            shapes["edge_frame"] = (frame.edge_frame.shape, (file.nodes - 1, 7))
         for name, (given, wanted) in shapes.items():
             if given != wanted:
                 raise RecordError(f"{self.path}: {name} has shape {given}, not {wanted}")

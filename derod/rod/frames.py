@@ -10,9 +10,9 @@ With the rotation Q from one frame to the next, in the frame's own axes, a verte
 
     v_1, v_2 = F (Q_32 - Q_23, Q_13 - Q_31) / 2,   v_3 = atan2(Q_21 - Q_12, Q_11 + Q_22)
 
-F = phi/sin(phi) of the turning angle: the curvature binormal's components along d_1 and d_2, averaged over both
-frames (Bergou et al. 2008, with phi for their 2 tan(phi/2)), and the angle of twist. No branch needs to be
-remembered: links are followed, since a vertex is never twisted by pi.
+F = phi/sin(phi) of the turning angle: the curvature binormal's components along d_1 and d_2, averaged over
+both frames (Bergou et al. 2008, with phi for their 2 tan(phi/2)), and the angle of twist. No branch needs
+to be remembered: links are followed, since a vertex is never twisted by pi.
 """
 
 from __future__ import annotations

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from derod.errors import SceneError
-from derod.scene.experiment import Group, left_out, si_quantities
 from derod.scene.directors import check_pushable
+from derod.scene.experiment import Group, left_out, si_quantities
 from derod.scene.tables import Scene
 from derod.scene.writing import dimensionless_groups
 

@@ -17,7 +17,7 @@ from typing import Any, NoReturn
 from derod.errors import SceneError
 from derod.scene.rules import KEYS, Key
 from derod.scene.sections import bending_ratio, capillary_force, stiffness, twisting_ratio
-from derod.scene.tables import Material, Scene
+from derod.scene.tables import Material
 from derod.scene.units import DIMENSIONS, Measured, plain_measured, propagate, read_measured
 
 DIMENSION_OF = {

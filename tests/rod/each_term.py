@@ -74,7 +74,9 @@ def differences(sample, name: str) -> tuple[int, int]:
         if abs(found - exact[place]) > 2e-8 * scale + 1e-7:
             print(f"{name} in {d}: gradient {place}: {exact[place]!r}, differences {found!r}")
             wrong += 1
-        if angles:  # gradients are local: differences have an antisymmetric part, of the angles' moments
+        if (
+            angles
+        ):  # gradients are local: differences have an antisymmetric part, of the angles' moments
             continue
         off = np.abs(slope - full[:, place]).max()
         if off > 2e-7 * (1 + np.abs(full[:, place]).max()):

@@ -31,7 +31,11 @@ class Sample:
     """A state (q, b), its constants and room to work in."""
 
     def __init__(
-        self, d: int, edges: int = 24, turns: float = 0.0, drop: bool = True,
+        self,
+        d: int,
+        edges: int = 24,
+        turns: float = 0.0,
+        drop: bool = True,
         section: bool = False,
     ) -> None:
         self.physics = constants(

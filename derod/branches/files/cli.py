@@ -36,9 +36,8 @@ def add_branch_parser(subparsers: Any) -> argparse.ArgumentParser:
     )
     parser.add_argument(
         "--director",
-        default="0",
         help="alpha_0, the angle of d_1 to e_x at the clamps of a rod with two bending stiffnesses: "
-        "0, or 'pi/2' to bend easily in the other plane (0)",
+        "0, or 'pi/2' to bend easily in the other plane (that of clamps.directors, or 0)",
     )
     parser.add_argument(
         "--tolerance", type=float, default=1e-10, help="largest residual of any equation (1e-10)"
@@ -104,7 +103,7 @@ def _compute(args: argparse.Namespace) -> int:
     outputs.check_output(args.output, force=args.force, inputs=[args.scene], make_folders=False)
     scene = load_scene(args.scene)
     try:
-        director = read_quantity(args.director)
+        director = None if args.director is None else read_quantity(args.director)
     except ValueError as error:
         return _complain(
             f"--director = {args.director!r} {error}; allowed: an angle such as 'pi/2'"

@@ -97,12 +97,16 @@ class Parameters:
         return replace(self, weight=value)
 
     @classmethod
-    def from_scene(cls, scene: Scene, director: float = 0.0) -> Parameters:
+    def from_scene(cls, scene: Scene, director: float | None = None) -> Parameters:
         """Take the numbers of a scene, forces divided by its bending stiffness K1.
 
-        ``director``: alpha_0, rad. Raises SceneError for a drop without capillary force or wall, and for
-        a rod with two bending stiffnesses that has no twisting stiffness or no flip-symmetric states.
+        ``director``: alpha_0, rad; None: that of the scene's directors, or 0. Raises SceneError for a drop
+        without capillary force or wall, for a natural shape, and for a rod with two bending stiffnesses that
+        has no twisting stiffness or no flip-symmetric states.
         """
+        _check_straight(scene)
+        if director is None:
+            director = (scene.clamps.directors or (0.0,))[0]
         bending = scene.rod.bending
         bending_2 = scene.rod.bending_2 or bending
         for key in ("capillary_force", "wall_strength"):
@@ -129,6 +133,19 @@ class Parameters:
             bending_2=bending_2 / bending,
             director=director,
         )
+
+
+def _check_straight(scene: Scene) -> None:
+    for name in ("natural_curvature", "natural_twist"):
+        value = getattr(scene.rod, name)
+        if np.any(value or 0.0):
+            raise SceneError(
+                "has no branches: they know naturally straight rods",
+                file=scene.path,
+                key=f"rod.{name}",
+                value=list(value) if isinstance(value, tuple) else value,
+                allowed="none (derod push takes it)",
+            )
 
 
 def _check_two(scene: Scene, director: float) -> None:

@@ -2,7 +2,8 @@ r"""Twist of a rod whose section has directions: it need not be uniform (``twist
 
     E = int K_3 (u_3 - tau_0)^2 / 2 ds
 
-with the natural twist tau_0 (``rod.natural_twist``). The discrete form, of fourth order, is in ``terms.strains``.
+with the natural twist tau_0 (``rod.natural_twist``). The discrete form, of fourth order, is in
+``terms.strains``.
 """
 
 from __future__ import annotations

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from derod.exits import UsageError
-from derod.record.geometry import material_frame, sphere
+from derod.record.geometry import sphere
 from derod.record.profiles import curvature, node_tension, wetted
 from derod.scene.axis import axes_of, axis_of
 from derod.views.export.output import write_file
@@ -89,8 +89,7 @@ def rod_frame(run: Any, i: int) -> bytes:
     """Increment ``i``: nodes (N+1, 3) as one polyline, with fields at the nodes."""
     row = run.table[i]
     x, s = run.positions(i), run.arc_length(i)
-    twist = (row["end_rotation"] - row["holonomy"]) / run.scene.rod.length
-    frame = material_frame(x, s, twist)
+    frame = run.directors(i)
     point_data = {
         "arc_length": Field(s, "D"),
         "curvature": Field(curvature(x, s), "1/D"),

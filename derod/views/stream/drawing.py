@@ -14,7 +14,8 @@ import numpy as np
 
 from derod.pushing.frames import Frame
 from derod.record import profiles as fields
-from derod.record.geometry import material_frame, point_at, tube
+from derod.record.geometry import MaterialFrame, material_frame, point_at, tube
+from derod.record.sections import section_frame
 from derod.scene import Scene
 
 RADIUS = 0.017  # D, of the tube; the rod of the model is a curve
@@ -57,6 +58,7 @@ class Batch:
     arc_length: np.ndarray  # (T, N+1)
     drop_center: np.ndarray  # (T, 3)
     edge_tension: np.ndarray  # (T, N)
+    edge_frame: np.ndarray | None = None  # (T, N, 7) of a section with directions
 
     @classmethod
     def of(cls, frames: Sequence[Frame]) -> Batch:
@@ -67,7 +69,14 @@ class Batch:
             np.stack([frame.arc_length for frame in frames]),
             np.stack([frame.drop_center for frame in frames]),
             np.stack([frame.edge_tension for frame in frames]),
+            edge_frames(frames),
         )
+
+
+def edge_frames(frames: Sequence[Frame]) -> np.ndarray | None:
+    """Stack the frames of the edges, where there are any."""
+    made = [frame.edge_frame for frame in frames if frame.edge_frame is not None]
+    return np.stack(made) if made else None
 
 
 def shown_nodes(nodes: int) -> np.ndarray:
@@ -88,7 +97,11 @@ def draw_shapes(batch: Batch, scene: Scene, color: str) -> list[Column]:
     if scene.drop is None:  # the eye is on the middle then
         center = 0.5 * (x[:, 0] + x[:, -1])
     twist = (rows["end_rotation"] - rows["holonomy"]) / scene.rod.length
-    frame = material_frame(x, s, twist)
+    if batch.edge_frame is None:
+        frame = material_frame(x, s, twist)
+    else:
+        each = map(section_frame, x, s, batch.edge_frame, [scene] * len(x))
+        frame = MaterialFrame(*map(np.stack, zip(*each, strict=True)))
     inside = fields.wetted(s, rows["meniscus_a"], rows["meniscus_b"])
     push = np.where(inside, fields.wall_push(x, batch.drop_center, scene), 0.0)
     keep = shown_nodes(x.shape[1])
