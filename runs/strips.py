@@ -4,7 +4,7 @@
 
 states  K2/K1 = 2, 4, 16 at 100, 200, 400 edges: t and E_hat of the lowest states beside derod.branches
 jumps   K2/K1 = 16 pushed to 0.7 pi and back to 0.1 pi: where the rod jumps, beside pitchfork and fold
-equal   [1, 1] against 1, and what an angle an edge costs (K2/K1 = 1 + 1e-9): t, E_hat, CPU
+equal   [1, 1] against 1, and what an angle an edge costs (K2/K1 = 1 + 1e-6): t, E_hat, CPU
 strip   the paper's strip (runs/pvs-strip.toml): how long its planar coil is stable
 
 l = 10, v0 = 2e-2, f_gamma = 20, rho = 0.1, k3 = 0.9, d_1 along e_x at both clamps.
@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import argparse
 import math
+import tempfile
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -24,6 +25,8 @@ from derod.branches.half_rod.observables import observables
 from derod.branches.half_rod.parameters import Parameters
 from derod.branches.paths.catalogue import Catalogue
 from derod.branches.paths.path import PathNotFound
+from derod.scene import build_scene
+from derod.scene.plain import plain_tables
 
 HERE = Path(__file__).parent
 PI = math.pi
@@ -31,6 +34,8 @@ RATIOS = (2.0, 4.0, 16.0)
 DELTAS = (0.6, 1.0, 1.5)
 EDGES = (100, 200, 400)
 STEP = 0.01
+SHOWN = (0.25, 0.4)  # pi, of the paper's strip
+PICTURE = HERE.parent / "docs/images/strip-and-round.png"
 
 
 def strip(ratio: float, **changes: Any) -> derod.Scene:
@@ -99,11 +104,11 @@ def jumps() -> None:
 
 def equal() -> None:
     """Print that [1, 1] is 1, and what frames cost where they change nothing."""
-    base = derod.load_scene(HERE / "paper-figures.toml")
+    base = derod.load_scene(HERE / "paper-figures.toml").replace({"push.stop": 2.5 * PI})
     scenes = {
         "1": base,
         "[1, 1]": base.replace({"rod.bending": [1, 1]}),
-        "[1, 1 + 1e-9]": strip(1 + 1e-9),
+        "[1, 1 + 1e-6]": strip(1 + 1e-6, push_stop=2.5 * PI),
     }
     least = dict.fromkeys(scenes, math.inf)
     runs = {}
@@ -127,16 +132,30 @@ def equal() -> None:
 
 
 def paper_strip() -> None:
-    """Print where the paper's strip lies in a plane and is stable."""
-    run = derod.push(derod.load_scene(HERE / "pvs-strip.toml"))
-    for event in run.events:
-        if event.kind != "halving":
-            print(f"{event.kind} at {event.end_shortening / PI:.4f} pi: {event.message}")
-    for row in run.table[:: max(1, len(run) // 10)]:
-        print(f"{row['end_shortening'] / PI:.4f} pi  t = {row['end_tension']:.4f}  "
-              f"E_hat = {row['energy_hat']:.4f}  unstable {row['unstable_modes']}  "
-              f"twist {row['energy_twist']:.2g}")  # fmt: skip
-    print(run.outcome)
+    """Print where the paper's strip lies in a plane and is stable; draw it beside a round rod."""
+    scene = derod.load_scene(HERE / "pvs-strip.toml").replace({"push.at": [d * PI for d in SHOWN]})
+    tables = plain_tables(scene)
+    del tables["material"]
+    rod, drop = scene.rod, scene.require_drop()
+    tables["rod"] = {"length": rod.length, "bending": rod.bending, "twisting": rod.twisting}
+    tables["drop"] |= {"capillary_force": drop.capillary_force}
+    tables["clamps"] = {}
+    folder = Path(tempfile.mkdtemp())
+    runs = [
+        derod.push(scene, folder / "strip.h5"),
+        derod.push(build_scene(tables), folder / "round.h5"),
+    ]
+    for name, run in zip(("strip", "round, the same K1 and K3"), runs, strict=True):
+        print(f"{name}: {run.outcome}")
+        for event in run.events:
+            if event.kind != "halving":
+                print(f"  {event.kind} at {event.end_shortening / PI:.4f} pi: {event.message}")
+        for row in run.table[run.table["landing"]]:
+            print(f"  {row['end_shortening'] / PI:.4f} pi  t = {row['end_tension']:.4f}  "
+                  f"E_hat = {row['energy_hat']:.4f}  unstable {row['unstable_modes']}  "
+                  f"twist {row['energy_twist']:.2g}")  # fmt: skip
+    runs[0].plot("shapes", runs[1], at=[d * PI for d in SHOWN]).savefig(PICTURE)
+    print(f"drawn: {PICTURE}")
 
 
 def main() -> None:

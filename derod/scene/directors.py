@@ -53,7 +53,7 @@ def check_pushable(scene: Scene) -> None:
     if not scene.has_frames:
         return
     rod, clamps = scene.rod, scene.clamps
-    directed = (rod.bending_2 or rod.bending) != rod.bending or any(rod.natural_curvature or ())
+    directed = rod.bending_2 is not None or any(rod.natural_curvature or ())
     if directed and clamps.directors is None:
         raise SceneError(
             "is missing: a section with two bending stiffnesses or a natural curvature has directions",

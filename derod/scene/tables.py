@@ -14,6 +14,9 @@ import msgspec
 
 from derod.scene.units import Measured
 
+ROUND = 1e-7
+"""On |K2/K1 - 1|: below it a section is round."""
+
 
 class Table(msgspec.Struct, frozen=True, kw_only=True):
     """One table of a scene; its fields are the keys of the file."""
@@ -194,9 +197,13 @@ class Scene(msgspec.Struct, frozen=True, kw_only=True, eq=False):
 
     @property
     def has_frames(self) -> bool:
-        """Whether edges need frames: two bending stiffnesses or a natural shape, in space."""
+        """Whether edges need frames: two bending stiffnesses or a natural shape, in space.
+
+        Stiffnesses that differ by less than ``ROUND`` leave a turn about the axis that is neutral to
+        rounding; such a rod is a round one.
+        """
         rod = self.rod
-        two = rod.bending_2 is not None and rod.bending_2 != rod.bending
+        two = rod.bending_2 is not None and abs(rod.bending_2 / rod.bending - 1) > ROUND
         shaped = any(rod.natural_curvature or ()) or bool(rod.natural_twist)
         return self.model.dimension == 3 and (two or shaped)
 
