@@ -58,9 +58,9 @@ class Modes:
         return f"<{len(self)} modes: eigenvalues {values} K0/D^4>"
 
 
-def state_of(run: BaseRun, i: int) -> tuple[System, State]:
-    """Return the system of a run's scene and the state of an increment, in the rod's units."""
-    system, frame = System(run.scene), run.frame_at(i)
+def state_of(run: BaseRun, i: int, system: System | None = None) -> tuple[System, State]:
+    """Return the system of a run's scene, made here if None, and an increment's state in the rod's units."""
+    system, frame = System(run.scene) if system is None else system, run.frame_at(i)
     slides = legs(run.scene)[int(frame.row["segment"])].slides
     return system, decode(system, frame, slides=slides)
 

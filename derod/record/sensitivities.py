@@ -226,9 +226,9 @@ def slopes(
     """
     if quantity not in QUANTITIES:
         raise SensitivityError(f"quantity = {quantity!r}: allowed: {', '.join(QUANTITIES)}")
-    out = []
+    out, system = [], System(run.scene)
     for i in range(len(run)) if increments is None else increments:
-        system, state = state_of(run, i)
+        _, state = state_of(run, i, system)
         found = sensitivities_at(system, state, parameters, bounds=False)
         out.append(getattr(found, quantity))
     return np.array(out)
