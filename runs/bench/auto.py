@@ -1,9 +1,9 @@
 """AUTO-07p on the branches Ax and 3D: built from bifpy's sources, run as its own program.
 
-The sources come with the sdist of bifpy on the package index; its makefile has no optimisation, so they are
-built here with -O3. AUTO is given the Jacobian in closed form (half_rod.f90) and a buckled state of derod's to
-start from. Ax is followed through its fold with all pitchforks detected (ISP = 2), then 3D is branched off and
-followed to where it joins L2.
+The sources come with the sdist of bifpy on the package index; its makefile has no optimisation, so they
+are built here with -O3. AUTO is given the Jacobian in closed form (half_rod.f90) and a buckled state of
+derod's to start from. Ax is followed through its fold with all pitchforks detected (ISP = 2), then 3D is
+branched off and followed to where it joins L2.
 """
 
 from __future__ import annotations
@@ -20,10 +20,11 @@ from typing import NamedTuple
 import numpy as np
 
 SDIST = "bifpy==0.3.0"
-MODULES = (
-    "auto_constants nompi f2003 mesh support io ae interfaces toolboxae equilibrium solvebv bvp toolboxbv homcont maps "
-    "floquet periodic optimization parabolic timeint user_c utility"
-).split()
+MODULES = (  # in the order in which they are compiled
+    "auto_constants", "nompi", "f2003", "mesh", "support", "io", "ae", "interfaces", "toolboxae",
+    "equilibrium", "solvebv", "bvp", "toolboxbv", "homcont", "maps", "floquet", "periodic",
+    "optimization", "parabolic", "timeint", "user_c", "utility",
+)  # fmt: skip
 HERE = Path(__file__).parent
 FLAGS = ["-O3", "-march=native", "-w"]
 
@@ -37,9 +38,7 @@ class Settings(NamedTuple):
     collocation: int = 4  # NCOL
 
     def __str__(self) -> str:
-        return (
-            f"NTST {self.intervals}, NCOL {self.collocation}, EPS {self.tolerance:.0e}, DSMAX {self.step}"
-        )
+        return f"NTST {self.intervals}, NCOL {self.collocation}, EPS {self.tolerance:.0e}, DSMAX {self.step}"
 
 
 class Special(NamedTuple):
@@ -79,7 +78,10 @@ def build(folder: Path) -> Path:
     objects = []
     for source in sources:
         target = f"{source.stem}.o"
-        run(["gfortran", *FLAGS, "-I", str(root / "include"), "-c", str(source), "-o", target], folder)
+        run(
+            ["gfortran", *FLAGS, "-I", str(root / "include"), "-c", str(source), "-o", target],
+            folder,
+        )
         objects.append(target)
     own = ["main.o", "half_rod.o"]  # AUTO has idle ones of all that a user need not write
     run(["ar", "rcs", "libauto.a", *(name for name in objects if name not in own)], folder)
@@ -180,8 +182,14 @@ def once(program: Path, text: str) -> tuple[list[Special], tuple[float, float], 
     for name in ("fort.7", "fort.8", "fort.9"):
         (folder / name).unlink(missing_ok=True)
     before, clock = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
-    subprocess.run([str(program.resolve())], cwd=folder, capture_output=True, timeout=300, check=False)
+    subprocess.run(
+        [str(program.resolve())], cwd=folder, capture_output=True, timeout=300, check=False
+    )
     wall = time.perf_counter() - clock
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     found, number = specials((folder / "fort.7").read_text())
-    return found, (after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, wall), number
+    return (
+        found,
+        (after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, wall),
+        number,
+    )

@@ -6,9 +6,11 @@ step starts the buckling. Cables stretch: the axial stiffness is a setting.
 
 from __future__ import annotations
 
+import itertools
 from typing import NamedTuple
 
 import exudyn
+from exudyn.itemInterface import NodePoint2DSlope1
 from exudyn.utilities import (
     CoordinateConstraint,
     Force,
@@ -17,7 +19,6 @@ from exudyn.utilities import (
     NodePointGround,
     ObjectANCFCable2D,
 )
-from exudyn.itemInterface import NodePoint2DSlope1
 
 from bench.elastica import SHORTENING
 
@@ -65,7 +66,7 @@ def solve(settings: Settings) -> Answer | None:
         system.AddNode(NodePoint2DSlope1(referenceCoordinates=[i / n, 0.0, 1.0, 0.0]))
         for i in range(n + 1)
     ]
-    for one, two in zip(nodes[:-1], nodes[1:], strict=True):
+    for one, two in itertools.pairwise(nodes):
         system.AddObject(
             ObjectANCFCable2D(
                 nodeNumbers=[one, two], physicsLength=1 / n, physicsMassPerLength=1.0,
