@@ -1,12 +1,16 @@
 # ruff: noqa: E402 - threads are set before numpy is imported
-"""PyElastica and derod on the same problems, in the same run: work, precision, time per step.
+"""Peers and derod on the same problems, in the same run: time against error.
 
-    python -m pip install pyelastica      (only for this; derod does not need it)
-    python runs/peers.py [elastica] [drop] [step]
+    python -m pip install '.[bench]'      (only for this; derod does not need them)
+    python runs/peers.py                  all: [elastica] [drop] [step] [branches]
     python runs/peers.py tune             the scan that PyElastica's settings were chosen from (ten minutes)
+    python runs/peers.py tune-elastica    that of OpenSees, Exudyn and solve_bvp (two minutes)
+    python runs/peers.py tune-branches    that of AUTO-07p (ten minutes)
 
-Prints tables and writes runs/out/peers.csv. What PyElastica is given: runs/bench/pyelastica.py. The
-drop scene is runs/paper-text.toml, pushed to 0.5 pi; exact is derod at 800 edges, which the branches
+Prints tables and writes runs/out/peers.csv. What each is given is told at the head of its file in runs/bench:
+pyelastica, opensees, exudyn_cable, collocation, auto. A peer that is not here is named and left out; AUTO
+needs gfortran, and the sources of bifpy, which pip downloads. The drop scene is runs/paper-text.toml, pushed
+to 0.5 pi; exact is derod at 800 edges, which the branches
 of the boundary-value problem confirm to 1e-7 (runs/push_figures.py). Both codes go there as fast as they
 can: PyElastica in one smooth push, derod in increments of up to 0.25 pi. An error is the larger of those of t
 and E_hat: each alone is small by chance on some settings.
@@ -24,11 +28,13 @@ import sys
 import time
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
+from typing import Any
 
 import derod
 
 # isort: split
 import numpy as np
+from bench import ax_and_3d, small
 from bench.elastica import elastica_errors, elastica_scene, exact_elastica
 from bench.row import Row, larger_error, write_csv
 from explicit_figures import time_per_step
@@ -37,6 +43,7 @@ HERE = Path(__file__).parent
 SHORTENING = 0.5 * np.pi
 DROP = "paper-text to 0.5 pi"
 REPEATS = 5
+TURNS = 25  # of codes that take milliseconds
 
 
 def timed(work: Callable[[], object]) -> tuple[object, float, float]:
@@ -68,15 +75,43 @@ def own_row(problem: str, edges: int, wall: float, cpu: float, run, errors) -> R
     )  # fmt: skip
 
 
+def has_pyelastica() -> bool:
+    """Whether PyElastica is here; a line where it is not."""
+    try:
+        import elastica as _  # noqa: F401
+    except ImportError:
+        print("PyElastica: cannot be imported: python -m pip install pyelastica", file=sys.stderr)
+        return False
+    return True
+
+
+def interleaved_elastica() -> Iterator[Row]:
+    """derod and the peers that solve for the equilibrium, in turns."""
+    peers = dict(small.installed())
+    asked: list[tuple[str, Any]] = [("derod", elastica_scene(edges)) for edges in (25, 50, 100)]
+    works: list[Callable[[], Any]] = [lambda s=scene: derod.push(s) for _, scene in asked]
+    for name, module in peers.items():
+        for values in small.CHOSEN[name]:
+            settings = module.Settings(*values)
+            asked.append((name, settings))
+            works.append(lambda m=module, s=settings: m.solve(s))
+    with small.quiet():
+        found = small.least(works, TURNS)
+    for (name, settings), (answer, wall, cpu) in zip(asked, found, strict=True):
+        if name == "derod":
+            edges = settings.mesh.edges
+            yield own_row("elastica", edges, wall, cpu, answer, elastica_errors(answer))
+        else:
+            yield small.row_of(name, settings, answer, wall, cpu)
+
+
 def elastica() -> Iterator[Row]:
     """The clamped-clamped elastica at an end shortening of 0.2 L."""
+    yield from interleaved_elastica()
+    if not has_pyelastica():
+        return
     from bench.pyelastica import COMPILE, Problem, Settings, solve
 
-    for edges in (25, 50, 100):
-        scene = elastica_scene(edges)
-        derod.push(scene)
-        run, wall, cpu = quickest(lambda scene=scene: derod.push(scene))
-        yield own_row("elastica", edges, wall, cpu, run, elastica_errors(run))
     load, height = exact_elastica()
     problem = Problem(1.0, 1.0, 0.2, planar=True, courant=0.5)
     solve(problem, COMPILE)
@@ -141,7 +176,8 @@ def drop() -> Iterator[Row]:
             "energy_error": abs(last["energy_hat"] / exact["energy_hat"] - 1),
         }
         yield own_row(DROP, edges, wall, cpu, run, errors)
-    yield from peer_rows(TUNED)
+    if has_pyelastica():
+        yield from peer_rows(TUNED)
 
 
 def tune() -> Iterator[str]:
@@ -192,32 +228,73 @@ def table(rows: list[Row]) -> Iterator[str]:
             f"{row.energy_error:.1e} | {row.shape_error:.1e} | {row.wall:.3g} | {row.cpu:.3g} | {row.note} |"
         )
     own = sorted((row for row in rows if row.code == "derod"), key=lambda row: row.wall)
-    yield "\n| PyElastica, elements | its error | its wall, s | at its error | at a tenth of it |"
-    yield "|---|---|---|---|---|"
+    yield (
+        "\n| peer, elements | its error | its CPU, s | derod at its error: CPU | wall | "
+        "at a tenth of it: CPU |"
+    )
+    yield "|---|---|---|---|---|---|"
     for peer in (row for row in rows if row.code != "derod"):
-        cells = [f"| {peer.edges} | {error_of(peer):.1e} | {peer.wall:.3g} |"]
-        for share in (1.0, 0.1):
+        cells = [f"| {peer.code}, {peer.edges} | {error_of(peer):.1e} | {peer.cpu:.3g} |"]
+        for share, clocks in ((1.0, ("cpu", "wall")), (0.1, ("cpu",))):
             better = (row for row in own if error_of(row) <= share * error_of(peer))
             best = next(better, None)
-            cells.append(
-                "none |"
-                if best is None
-                else f"derod with {best.edges} edges is {peer.wall / best.wall:.0f} times faster |"
-            )
+            cells += [
+                "no such mesh here |" if best is None else ratio(peer, best, clock)
+                for clock in clocks
+            ]
         yield " ".join(cells)
+
+
+def ratio(peer: Row, own: Row, clock: str) -> str:
+    """How much faster or slower derod is; a peer within a factor of two is said to be close."""
+    times = getattr(peer, clock) / getattr(own, clock)
+    word = "faster" if times >= 1 else "slower"
+    close = ", close" if 0.5 < times < 2 else ""
+    return f"{own.edges} edges, {max(times, 1 / times):.2g} times {word}{close} |"
+
+
+def branches() -> Iterator[str]:
+    """Ax and 3D beside AUTO-07p."""
+    for scene in ("paper-text", "paper-figures"):
+        try:
+            yield from ax_and_3d.lines(scene, ax_and_3d.beside(scene, HERE / "out" / "auto"))
+        except RuntimeError as error:
+            yield f"AUTO-07p: cannot be built: {error}"
+            return
+
+
+def tune_branches() -> Iterator[str]:
+    """The scan of AUTO's settings."""
+    for scene in ("paper-text", "paper-figures"):
+        scan = tuple(ax_and_3d.SCAN)
+        found = ax_and_3d.beside(scene, HERE / "out" / "auto", scan, repeats=1)
+        yield from ax_and_3d.lines(scene, sorted(found, key=lambda one: one.cpu))
+
+
+def tune_elastica() -> Iterator[str]:
+    """The fronts of the scans on the elastica."""
+    yield "| code | elements | settings | error of t | of shape, L | CPU, s |"
+    yield "|---|---|---|---|---|---|"
+    for name, module in small.installed():
+        for row in small.tuned(name, module):
+            yield (
+                f"| {name} | {row.edges} | {row.note} | {row.tension_error:.1e} | "
+                f"{row.shape_error:.1e} | {row.cpu:.2g} |"
+            )
 
 
 def main(names: list[str]) -> int:
     """Run what is asked for; return an exit code."""
-    try:
-        import elastica as _  # noqa: F401
-    except ImportError:
-        print("PyElastica is not installed: python -m pip install pyelastica", file=sys.stderr)
+    scans = {"tune": tune, "tune-elastica": tune_elastica, "tune-branches": tune_branches}
+    studies = {"elastica", "drop", "step", "branches"}
+    if unknown := sorted(set(names) - studies - set(scans)):
+        print(f"{unknown[0]}: allowed: {', '.join([*sorted(studies), *scans])}", file=sys.stderr)
         return 2
-    if "tune" in names:
-        for line in tune():
-            print(line, flush=True)
-        return 0
+    for name in names:
+        if name in scans:
+            for line in scans[name]():
+                print(line, flush=True)
+            return 0
     rows: list[Row] = []
     for name, study in (("elastica", elastica), ("drop", drop)):
         if not names or name in names:
@@ -226,7 +303,11 @@ def main(names: list[str]) -> int:
             rows += found
     if rows:
         write_csv(HERE / "out" / "peers.csv", rows)
-    if not names or "step" in names:
+    if not names or "branches" in names:
+        print("\n### branches", flush=True)
+        for line in branches():
+            print(line, flush=True)
+    if (not names or "step" in names) and has_pyelastica():
         print("\n### step\n", *step(), sep="\n", flush=True)
     return 0
 

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from derod.record.geometry import MaterialFrame
     from derod.record.modes import Modes
     from derod.record.run import BaseRun
+    from derod.record.sensitivities import Sensitivities
 
 
 class Increment:
@@ -83,6 +84,10 @@ class Increment:
     def modes(self, k: int = 4) -> Modes:
         """The k softest modes; see ``BaseRun.modes``."""
         return self.run.modes(self.index, k)
+
+    def sensitivities(self) -> Sensitivities:
+        """How it changes with every parameter; see ``BaseRun.sensitivities``."""
+        return self.run.sensitivities(self.index)
 
     def __getattr__(self, name: str) -> Any:
         if name in (ROW.names or ()):

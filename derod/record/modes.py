@@ -1,12 +1,9 @@
 """The softest modes of a recorded increment: lowest eigenvalues of the Hessian on the constraints.
 
-    H u + (constraints) = lambda M u
-
-M weighs nodes by their dual lengths, the drop and the menisci by 1
-(``derod.equilibrium.stability.inertia``). The Hessian, raised by a shift until it is positive (its inertia
-tells), is factored once; Lanczos on its inverse finds the lowest eigenvalues. Sliding the drop along the rod
-is pinned, as in the count of unstable modes. Turning about the clamp axis, neutral on every state, has only
-the stiffness that the system's helper row lends it, and is projected out.
+What they are, and in which norm, is in ``derod.equilibrium.eigen``; how they stand to the state's symmetries
+in ``derod.equilibrium.symmetry``. Turning about the clamp axis and sliding the drop along the rod are named
+and left out: the first is neutral on every state of an isotropic rod whose drop has no weight, the second
+is pinned, as in the count of unstable modes, and has a stiffness of its own.
 """
 
 from __future__ import annotations
@@ -15,26 +12,21 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.sparse.linalg import LinearOperator, eigsh
 
-from derod.equilibrium.linear import FIRST_SHIFT, LARGEST_SHIFT
-from derod.equilibrium.stability import inertia
+from derod.equilibrium import eigen, stability, symmetry
+from derod.equilibrium.eigen import ModesError, NotConvergedError
 from derod.equilibrium.system import System
-from derod.errors import DerodError
 from derod.pushing.encode import decode
 from derod.rod.state import State, in_space
-from derod.rod.unknowns import F_A, S_A, S_B, X_C
+from derod.rod.unknowns import S_A, S_B, X_C
 from derod.scene.program import legs
 
 if TYPE_CHECKING:
     from derod.record.run import BaseRun
 
-TOLERANCE = 1e-12  # of Lanczos, relative
-LEAST_TURNING = 1e-10  # D^1.5; below it the rod lies on the axis
+SPARE = 2  # modes more than asked for: those of one eigenvalue belong together
 
-
-class ModesError(DerodError, ValueError):
-    """Modes that cannot be computed."""
+__all__ = ["Modes", "ModesError", "NotConvergedError", "modes", "state_of"]
 
 
 @dataclass(frozen=True, repr=False)
@@ -49,6 +41,14 @@ class Modes:
     """Changes of s_A and s_B, (k, 2)."""
     drop: np.ndarray
     """Displacements of the drop's centre, (k, 3)."""
+    flip: tuple[str, ...]
+    """"even" or "odd" under the flip that runs the rod from its other end, "" where the state has none."""
+    plane: tuple[str, ...]
+    """"in" or "out" of the plane that the rod lies in, "" where it lies in none."""
+    turns_freely: bool
+    """Whether turning about the clamp axis is neutral: it is left out then, else it is among the modes."""
+    sliding_stiffness: float
+    """k = d^2E/dc^2 (K0/D^3) of sliding the drop by c, which is left out; infinite without a drop."""
 
     def __len__(self) -> int:
         return len(self.eigenvalues)
@@ -58,67 +58,45 @@ class Modes:
         return f"<{len(self)} modes: eigenvalues {values} K0/D^4>"
 
 
+def state_of(run: BaseRun, i: int, system: System | None = None) -> tuple[System, State]:
+    """Return the system of a run's scene, made here if None, and an increment's state in the rod's units."""
+    system, frame = System(run.scene) if system is None else system, run.frame_at(i)
+    slides = legs(run.scene)[int(frame.row["segment"])].slides
+    return system, decode(system, frame, slides=slides)
+
+
 def modes(run: BaseRun, i: int, k: int) -> Modes:
     """See ``BaseRun.modes``."""
-    system = System(run.scene)
-    frame = run.frame_at(i)
-    state = decode(system, frame, slides=legs(run.scene)[int(frame.row["segment"])].slides)
-    shift = FIRST_SHIFT
-    while system.linearise(state, shift) > 0:
-        shift *= 4
-        if shift > LARGEST_SHIFT:
-            raise ModesError(f"increment {i}: no shift makes the Hessian positive")
-    weight, border_weight = inertia(system, state)
-    if (
-        not system.physics.drop
-    ):  # the rows of a drop that is not there have a stiffness of their own
-        border_weight[: F_A + system.dimension] = 0.0
-    metric = np.concatenate([weight.ravel(), border_weight])
-    free = metric > 0
-    root = np.sqrt(metric[free])
-    most = (int(free.sum()) - system.edges) // 2
-    if not 1 <= k <= most:
-        raise ModesError(f"k = {k}: allowed: 1 to {most}, on {system.edges} edges")
+    system, state = state_of(run, i)
+    try:
+        return modes_at(system, state, k)
+    except NotConvergedError as error:
+        raise NotConvergedError(f"increment {i}: {error}") from error
+    except ModesError as error:
+        raise ModesError(f"increment {i}: {error}") from error
 
-    turn = root * turning(state, weight.shape, border_weight.size)[free]
-    size = np.linalg.norm(turn)
-    turn = turn / size if size > LEAST_TURNING else np.zeros_like(turn)
 
-    def solve(values: np.ndarray) -> np.ndarray:
-        values = values.ravel()
-        full = np.zeros(metric.size)
-        full[free] = root * (values - (turn @ values) * turn)
-        rows, border = system.solve(full[: weight.size].reshape(weight.shape), full[weight.size :])
-        out = root * np.concatenate([rows.ravel(), border])[free]
-        return np.asarray(out - (turn @ out) * turn)
-
-    start = np.random.default_rng(0).standard_normal(root.size)
-    operator = LinearOperator((root.size, root.size), matvec=solve, dtype=float)
-    inverse, vectors = eigsh(operator, k, which="LA", v0=start, tol=TOLERANCE)
-    order = np.argsort(-inverse)
-    vectors = (vectors / root[:, None])[:, order]
-    full = np.zeros((k, metric.size))
-    full[:, free] = vectors.T
+def modes_at(system: System, state: State, k: int) -> Modes:
+    """Return the ``k`` lowest modes at a settled state."""
+    most = eigen.most_modes(system, state)
+    pairs = eigen.lowest(system, state, min(k + SPARE, most) if 1 <= k <= most else k)
+    rest = system.room.kin.rest
+    weight = 0.5 * (rest[:-1] + rest[1:])
+    pairs = symmetry.aligned(state, pairs, weight)
+    flip, plane = symmetry.parities(state, pairs, weight)
+    system.linearise(state)  # not shifted, the pin's entry tells the stiffness of sliding
     d = system.dimension
-    nodes = np.zeros((k, system.edges + 1, d))
-    nodes[:, 1:] = full[:, : weight.size].reshape(k, *weight.shape)[:, :, :d]
-    borders = full[:, weight.size :]
-    flat = nodes.reshape(k, -1)
-    largest = flat[np.arange(k), np.abs(flat).argmax(axis=1)][:, None]
+    nodes, borders = pairs.q[:k, :, :d], pairs.b[:k]
+    flat = nodes.reshape(len(nodes), -1)
+    largest = flat[np.arange(len(flat)), np.abs(flat).argmax(axis=1)][:, None]
     borders = borders / largest
     return Modes(
-        (1 / inverse[order] - shift) * system.bending,
+        pairs.values[:k] * system.bending,
         in_space(nodes / largest[:, :, None]),
         borders[:, [S_A, S_B]],
         in_space(borders[:, X_C : X_C + d]),
+        tuple(flip[:k]),
+        tuple(plane[:k]),
+        eigen.turns_freely(state),
+        stability.sliding_stiffness(system) * system.bending,
     )
-
-
-def turning(state: State, shape: tuple[int, int], border: int) -> np.ndarray:
-    """The displacement of a turn about the clamp axis, e_z x r, as rows of q and the border, flat."""
-    d = state.dimension
-    rows, more = np.zeros(shape), np.zeros(border)
-    if d == 3:
-        rows[:, 0], rows[:, 1] = -state.q[1:, 1], state.q[1:, 0]
-        more[X_C], more[X_C + 1] = -state.b[X_C + 1], state.b[X_C]
-    return np.concatenate([rows.ravel(), more])

@@ -15,7 +15,9 @@ from derod.scene import Scene
 
 if TYPE_CHECKING:
     from derod.record.geometry import MaterialFrame
+    from derod.record.kicked import Kicked
     from derod.record.modes import Modes
+    from derod.record.sensitivities import Sensitivities
     from derod.record.si import SIReading
     from derod.views.plots.picture import Picture
 
@@ -168,13 +170,37 @@ class BaseRun(ABC):
     def modes(self, i: int, k: int = 4) -> Modes:
         """The ``k`` softest modes of increment ``i``: eigenvalues (K0/D^4) and shapes, lowest first.
 
-        Of the Hessian on the constraints, turning about the axis and sliding of the drop left out: as many
-        are negative as the row has ``unstable_modes``. Compiles kernels when they are not yet. Raises
-        ``derod.record.modes.ModesError``.
+        Of the Hessian on the constraints, turning about the axis, where it is neutral, and sliding of the
+        drop left out: as many are negative as the row has ``unstable_modes``. Compiles kernels when they are
+        not yet. Raises ``derod.record.modes.ModesError``.
         """
         from derod.record.modes import modes
 
         return modes(self, self.index(i), k)
+
+    def kick(
+        self, i: int, mode: int, amplitude: float = 0.05, found: Modes | None = None
+    ) -> Kicked:
+        """Move increment ``i`` along its mode number ``mode`` (from 0) by ``amplitude`` (D) and relax it.
+
+        Downhill; the answer says where it went. ``found`` are its modes, if they are known already. Raises
+        ``derod.record.modes.ModesError``.
+        """
+        from derod.record.kicked import kicked
+
+        i = self.index(i)
+        return kicked(self, i, self.modes(i, mode + 1) if found is None else found, mode, amplitude)
+
+    def sensitivities(self, i: int) -> Sensitivities:
+        """How t, E_hat, menisci, drop and shape of increment ``i`` change with every parameter of the scene.
+
+        Exact derivatives of the discrete rod along its branch, one solve each (implicit function theorem);
+        near a fold they are said to be unbounded. ``derod.record.sensitivities.slopes`` gives those of one
+        quantity for many increments.
+        """
+        from derod.record.sensitivities import sensitivities_of
+
+        return sensitivities_of(self, self.index(i))
 
     def to_pandas(self) -> Any:
         """The table as a pandas.DataFrame, by increment; units in ``.attrs["units"]``.

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import matplotlib as mpl
 import numpy as np
@@ -25,9 +25,12 @@ from derod.views.plots.reading import Shape, run_shape_at
 from derod.views.plots.shapes import REACH, VIEWS, coil_angle
 from derod.views.plots.style import LABELS, Theme
 
+if TYPE_CHECKING:
+    from derod.record.modes import Modes
+
 SWING = 0.1  # D that the largest component takes the rod to each side
 DIRECTIONS = ("the coil's thinnest direction", "across it", "along the clamps' axis")
-COLUMN, VIEW, CURVES, HEAD, LABEL, FOOT = 3.5, 2.5, 1.75, 0.8, 0.6, 0.75  # inches
+COLUMN, VIEW, CURVES, HEAD, LABEL, FOOT = 3.5, 2.5, 1.75, 0.95, 0.6, 0.75  # inches
 
 
 def draw(
@@ -55,13 +58,21 @@ def draw(
                 figure, [grid[row, k] for row in range(len(VIEWS))], shape, found.shapes[k], theme
             )
             figure.axes[-len(VIEWS)].set_title(
-                rf"$\lambda_{{{k + 1}}}$ = {value:.4g}$\,K_0/D^4$", fontsize=11, pad=2,
+                rf"$\lambda_{{{k + 1}}}$ = {value:.4g}$\,K_0/D^4${parity(found, k)}", fontsize=11, pad=2,
                 color=theme.event if value < 0 else theme.ink,
             )  # fmt: skip
             draw_components(
                 figure.add_subplot(grid[-1, k]), shape, found.shapes[k], theme, first=k == 0
             )
     add_legend(figure, theme)
+
+
+def parity(found: Modes, k: int) -> str:
+    """How mode k stands to the state's symmetries, as a second line; empty where it has none."""
+    words = [f"flip-{found.flip[k]}"] if found.flip[k] else []
+    words += [{"in": "in the plane", "out": "out of it"}.get(found.plane[k], found.plane[k])]
+    words = [word for word in words if word]
+    return f"\n{', '.join(words)}" if words else ""
 
 
 def add_legend(figure: Figure, theme: Theme) -> None:
