@@ -20,7 +20,13 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh
 
-from derod.equilibrium.linear import FIRST_SHIFT, LARGEST_SHIFT, RAISE, unstable_modes
+from derod.equilibrium.linear import (
+    ANGLE_INERTIA,
+    FIRST_SHIFT,
+    LARGEST_SHIFT,
+    RAISE,
+    unstable_modes,
+)
 from derod.equilibrium.system import System
 from derod.errors import DerodError
 from derod.rod.state import State
@@ -45,7 +51,7 @@ class Eigenpairs:
     """The k lowest eigenvalues and modes z.M z = 1, in the rod's units."""
 
     values: np.ndarray  # (k,) K/D^4, lowest first
-    q: np.ndarray  # (k, N+1, d+1) of places; the tensions' entries are zero
+    q: np.ndarray  # like a state's q, (k, N+1, ...), of places; what else a row has is zero
     b: np.ndarray  # (k, d+5) of s_A, s_B, x_C; zero for the multipliers
 
 
@@ -69,23 +75,31 @@ class Metric:
         tangent = (tangent / np.linalg.norm(tangent, axis=0))[:, 1:].T
         moved = np.cumsum(kin.slope[:, 1:-1], axis=1) if self.drop else np.zeros((2, n))
         self.carried = moved[:, :, None] * tangent  # (2, N, d) of the nodes by s_A, s_B
-        self.free = np.append(weight.ravel() > 0, np.full(d, self.drop))
+        self.width = state.width
+        self.angle = np.repeat(ANGLE_INERTIA * rest[1:-1, None], state.width - d - 1, axis=1)
+        self.free = np.concatenate(
+            [weight.ravel() > 0, np.full(d, self.drop), np.full(self.angle.size, True)]
+        )
 
     def down(self, rows: np.ndarray, border: np.ndarray) -> np.ndarray:
         """Return W^(1/2) P z, what moves, flat."""
         u = rows[:, : self.d] - border[S_A] * self.carried[0] - border[S_B] * self.carried[1]
-        flat = np.concatenate([(self.root * u).ravel(), border[X_C : X_C + self.d]])
+        turned = np.sqrt(self.angle) * rows[:, self.d + 1 :]
+        flat = np.concatenate([(self.root * u).ravel(), border[X_C : X_C + self.d], turned.ravel()])
         return np.asarray(flat[self.free])
 
     def up(self, moved: np.ndarray, border_size: int) -> tuple[np.ndarray, np.ndarray]:
         """Return P^T W^(1/2) v, like the rows of q and the border: the transpose of ``down``."""
         flat = np.zeros(self.free.size)
         flat[self.free] = moved
-        rows, border = np.zeros((self.nodes, self.d + 1)), np.zeros(border_size)
-        rows[:, : self.d] = self.root * flat[: -self.d].reshape(self.nodes, self.d)
+        rows, border = np.zeros((self.nodes, self.width)), np.zeros(border_size)
+        places = self.root.size
+        rows[:, : self.d] = self.root * flat[:places].reshape(self.nodes, self.d)
+        turned = flat[places + self.d :].reshape(self.angle.shape)
+        rows[:, self.d + 1 :] = np.sqrt(self.angle) * turned
         for s in (S_A, S_B):
             border[s] = -np.sum(self.carried[s] * rows[:, : self.d])
-        border[X_C : X_C + self.d] = flat[-self.d :]
+        border[X_C : X_C + self.d] = flat[places : places + self.d]
         return rows, border
 
     def weighed(self, rows: np.ndarray, border: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -95,11 +109,12 @@ class Metric:
     def add_to(self, system: System, shift: float) -> None:
         """Add ``shift`` M to the matrix filled last."""
         linear, d, n = system.room.linear, self.d, self.nodes
-        by_row = np.zeros((n, d + 1))
+        by_row = np.zeros((n, self.width))
         by_row[:, :d] = shift * self.weight
+        by_row[:, d + 1 :] = shift * self.angle
         linear.band[: by_row.size, 0] += by_row.ravel()
         for s in (S_A, S_B):
-            column = np.zeros((n, d + 1))
+            column = np.zeros((n, self.width))
             column[:, :d] = -shift * self.weight * self.carried[s]
             linear.border[: column.size, s] += column.ravel()
             for v in (S_A, S_B):
@@ -123,7 +138,7 @@ def turns_freely(state: State) -> bool:
 def turning(state: State, border_size: int) -> tuple[np.ndarray, np.ndarray]:
     """Return the displacement of a turn about the clamp axis, e_z x r, as rows of q and the border."""
     d = state.dimension
-    rows, border = np.zeros_like(state.q[1:]), np.zeros(border_size)
+    rows, border = np.zeros((len(state.q) - 1, state.width)), np.zeros(border_size)
     if d == 3:
         rows[:, 0], rows[:, 1] = -state.q[1:, 1], state.q[1:, 0]
         border[X_C], border[X_C + 1] = -state.b[X_C + 1], state.b[X_C]
@@ -147,7 +162,7 @@ def factor_shifted(system: System, state: State, shift: float) -> tuple[int, Met
         linear.corner[turn], linear.corner[:, turn] = border, border
         square = np.sum(rows * motion[0]) + border @ motion[1]
         linear.corner[turn, turn] = -(square + CORNER) / (1 + 2 * abs(shift))
-    return int(unstable_modes(system.room.linear, system.factor, system.dimension)), metric
+    return int(unstable_modes(state.physics, system.room.linear, system.factor)), metric
 
 
 def most_modes(system: System, state: State) -> int:

@@ -18,7 +18,7 @@ import numpy as np
 
 from derod.equilibrium.eigen import Eigenpairs
 from derod.rod.state import State, in_space
-from derod.rod.unknowns import X_C
+from derod.rod.unknowns import BORDER, X_C
 
 OWN = 1e-5  # relative, of what a symmetry may leave of a state
 ON_AXIS = 1e-6  # of the length: a straight rod has every flip and every mirror
@@ -43,8 +43,20 @@ def reflection(angle: float, axial: float) -> np.ndarray:
     return np.array([[c, s, 0.0], [s, -c, 0.0], [0.0, 0.0, axial]])
 
 
+def asymmetric(physics: Any) -> bool:
+    """Return whether the section's directions leave the rod no symmetry of its centre line alone.
+
+    They leave it where both clamps' directors lie along e_x or e_y, and the rod is naturally straight.
+    """
+    shaped = physics.natural_curvature_1, physics.natural_curvature_2, physics.natural_twist
+    angles = 2 * physics.director_start, 2 * physics.director_end
+    return any(shaped) or any(abs(np.sin(angle)) > OWN for angle in angles)
+
+
 def symmetries(state: State) -> tuple[Symmetry | None, Symmetry | None]:
     """Return the flip and the mirror of a state, None where it has none."""
+    if asymmetric(state.physics):
+        return None, None
     x = state.positions
     x[:, 2] -= 0.5 * x[-1, 2]
     points = x
@@ -82,7 +94,7 @@ def image_of(symmetry: Symmetry, pairs: Eigenpairs, weight: np.ndarray) -> np.nd
 
     ``weight`` (N+1,) are the nodes' dual lengths; the places of the menisci follow by the constraints.
     """
-    d = pairs.q.shape[2] - 1
+    d = pairs.b.shape[1] - BORDER
     moved = in_space(pairs.q[:, :, :d])
     drop = in_space(pairs.b[:, X_C : X_C + d])
     image = np.stack([symmetry.of(one) for one in moved])

@@ -8,11 +8,11 @@ equal energies.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from derod.equilibrium.stability import lowest_mode
+from derod.equilibrium.symmetry import asymmetric
 from derod.equilibrium.system import System
 from derod.rod.state import State, in_space
 from derod.rod.unknowns import F_A
@@ -72,16 +72,6 @@ def kick(
         breaks_a_symmetry(state, mode_q, state.physics.end_rotation - state.holonomy)
         and not asymmetric(state.physics),
     )
-
-
-def asymmetric(physics: Any) -> bool:
-    """Return whether the section's directions leave the rod no symmetry of its centre line alone.
-
-    They leave it where both clamps' directors lie along e_x or e_y, and the rod is naturally straight.
-    """
-    shaped = physics.natural_curvature_1, physics.natural_curvature_2, physics.natural_twist
-    angles = 2 * physics.director_start, 2 * physics.director_end
-    return any(shaped) or any(abs(np.sin(angle)) > SYMMETRIC for angle in angles)
 
 
 def breaks_a_symmetry(state: State, mode_q: np.ndarray, twist: float) -> bool:

@@ -112,8 +112,12 @@ def sensitivities_at(
     """Return the derivatives at a settled state (rod's units) by all parameters, or those ``wanted``.
 
     ``bounds`` tells whether to look for a soft mode, which takes about as long as all solves together.
-    Raises ``SensitivityError`` for a parameter that the scene does not have.
+    Raises ``SensitivityError`` for a parameter that the scene lacks, and for sections with directions.
     """
+    if system.scene.has_frames:
+        raise SensitivityError(
+            "the section has directions (rod.bending = [K1, K2] or a natural shape): allowed: round sections"
+        )
     known = (*parameters_of(state), "bending")
     names = known if wanted is None else tuple(wanted)
     for name in names:

@@ -244,3 +244,18 @@ def test_a_strip_is_recorded_and_resumed(tmp_path: Path) -> None:
                 np.testing.assert_allclose(frame.positions, other.positions, atol=1e-7)
                 matched += 1
         assert matched > 20
+
+
+def test_modes_of_a_strip_are_those_that_are_counted() -> None:
+    """Ax at 0.5 pi, stable at K2/K1 = 16; the branches' pitchfork is at 0.537 pi."""
+    scene = coil(edges=40, stop='"0.5 pi"', wall=2e-2).replace(
+        {"rod.bending": [1, 16], "clamps.directors": [0, 0]}
+    )
+    run = derod.push(scene)
+    assert run.table["unstable_modes"][-1] == 0 and run.table["energy_twist"][-1] == 0
+    stable = run.modes(-1, 3)
+    assert stable.eigenvalues[0] > 0 and np.all(np.diff(stable.eigenvalues) >= 0)
+    earlier = run.modes(len(run) - 8, 1)
+    assert earlier.eigenvalues[0] > stable.eigenvalues[0], "it softens toward its pitchfork"
+    with pytest.raises(ValueError, match="round sections"):
+        run.sensitivities(-1)
