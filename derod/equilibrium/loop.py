@@ -100,10 +100,10 @@ def relax(
         tolerance = max(system.tolerance, relaxer.finest)
     relaxer.stepwise = watch is not None
     report = relaxer.begin(system, state, tolerance, descend=descend, kick=kick)
-    done = 0
+    done, seen = 0, 0  # iterations; those and the cheap steps between them
     while True:
         if watch is not None:
-            watch(done, state, report)
+            watch(seen, state, report)
         outcome = judge(report, done, relaxer.limit)
         if outcome is not None:
             place = "" if report.sound else f", {system.trouble(state)}"
@@ -116,6 +116,7 @@ def relax(
             return Solution(state, outcome, done, report.residual, message)
         report = relaxer.advance()
         done += report.iterations
+        seen += max(report.iterations, 1)
 
 
 def judge(report: Report, done: int, limit: int) -> Outcome | None:
