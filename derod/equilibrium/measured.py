@@ -13,7 +13,8 @@ import numpy as np
 from derod.equilibrium.control import Control
 from derod.equilibrium.energies import Energies, by_part
 from derod.equilibrium.reactions import Reactions, reactions
-from derod.equilibrium.stability import CLAMP_MOMENT, readings, sliding_stiffness
+from derod.equilibrium.readings import readings
+from derod.equilibrium.stability import CLAMP_MOMENT, sliding_stiffness
 from derod.equilibrium.system import System
 from derod.rod.state import State
 

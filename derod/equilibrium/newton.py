@@ -4,8 +4,8 @@ The state, stable or not, is trusted only within a region round the one that was
 by the gap to the wall (a barrier), by the rotation of an edge and by the lengths of the three regions.
 
 A chord step solves with the factor of the last Newton step. It takes the residual down by a share instead of
-squaring it, and costs a sixth: near a solution two or three of them replace a Hessian and its factor, and they
-mend what a solution without refinement left.
+squaring it, and costs a sixth: near a solution two or three of them replace a Hessian and its factor, and
+they mend what a solution without refinement left.
 """
 
 from __future__ import annotations
@@ -74,9 +74,7 @@ def follow(physics, mesh, rules, most, coming, psi, room, factor, q, b, work):
 
 
 @inlined
-def newton_step(
-    physics, mesh, rules, psi_old, old, force, sharp, refine, room, factor, q, b, work
-):
+def newton_step(physics, mesh, rules, psi_old, old, force, sharp, refine, room, factor, q, b, work):
     """Take one Newton step in place, shortened until the residual falls.
 
     Returns (outcome, psi, excess, force residual).

@@ -17,18 +17,22 @@ def predict(
 ) -> State | None:
     """Return a guess of the state at the control's value ``target``, or None where none is sound.
 
-    Third order where ``before``, the state before on the same branch, is near enough, else second, else first
-    order; along the wall's curve where a straight prediction runs into it. Near a joint or a fold the slope is
-    steep, and only a shorter step has a sound guess (``pushing.prediction``).
+    Third order where ``before``, the state before on the same branch, is near enough, else second, else
+    first; along the wall's curve where a straight prediction runs into it. Near a joint or a fold the slope
+    is steep, and only a shorter step has a sound guess (``pushing.prediction``).
     """
     state = here.state
     h = target - here.control_value
     old = here if before is None else before
     back = old.control_value - here.control_value
     near = back != 0.0 and abs(h / back) <= LONGEST_LOOK_AHEAD
+    counted_alike = (
+        state.width == state.dimension + 1
+    )  # angles count from a frame of each state's own
+    orders = (1,) if not near else ORDERS if counted_alike else ORDERS[1:]
     guess = state.copy()
     for follow_wall in (False, True):
-        for order in ORDERS if near else (1,):
+        for order in orders:
             if extrapolate(
                 state.physics, system.room.kin, state.q, state.b, here.slope_q, here.slope_b, h,
                 old.state.q, old.state.b, old.slope_q, old.slope_b, back, order,

@@ -23,11 +23,11 @@ def extrapolate(
 ):  # fmt: skip
     """Fill (new_q, new_b), a step ``h`` from (q, b) along its slope; return whether it is sound.
 
-    To first, second or third ``order``: the second takes in the old state, a step ``back`` away, the third its
-    slope too (Hermite's cubic), both turned about the clamp axis onto the present one where the turn is
-    neutral: how far the coil has turned between them is no property of the branch. ``follow_wall`` puts nodes
-    back that ran into the wall's curve. A prediction is sound that stays inside the wall and the rod, moves no
-    node too far, and keeps every edge near its length and direction.
+    To first, second or third ``order``: the second takes in the old state, a step ``back`` away, the third
+    its slope too (Hermite's cubic), both turned about the clamp axis onto the present one where the turn is
+    neutral: how far the coil has turned between them is no property of the branch. ``follow_wall`` puts
+    nodes back that ran into the wall's curve. A prediction is sound that stays inside the wall and the rod,
+    moves no node too far, and keeps every edge near its length and direction.
     """
     d = len(physics.axis)
     cosine, sine = turn_onto(physics, old_q, q)
