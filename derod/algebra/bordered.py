@@ -68,8 +68,8 @@ def factorize(linear, factor):
             f = lower[j, k] * inverse
             if f == 0.0:
                 continue
-            for i in range(k, stride):
-                lower[j + k, i - k] -= f * lower[j, i]
+            for i in range(stride - k):
+                lower[j + k, i] -= f * lower[j, k + i]
             for i in range(m):
                 half[j + k, i] -= f * half[j, i]
         for k in range(1, stride):

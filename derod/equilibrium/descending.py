@@ -96,7 +96,7 @@ def descend_step(physics, mesh, rules, shift, psi_old, room, factor, q, b, work)
             add_shift(physics, room.kin, room.linear, (RAISE - 1) * shift)
             shift *= RAISE
             modes = unstable_modes(physics, room.linear, factor)
-        solve_step(physics, room, factor, work)
+        solve_step(physics, room, factor, work, True)
         fraction = longest_step(physics, room.kin, q, b, work.dq, work.db, DESCENDING)
         fall = fraction * promised_decrease(physics, work, room)
         before = constrained_energy(physics, q, b, psi_old, room, work, q, b)

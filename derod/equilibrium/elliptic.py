@@ -20,6 +20,7 @@ class Elliptic:
     easy, hard = 150, 1_000
     finest = 1e-8
     tolerance = 0.0
+    stepwise = False
 
     def begin(
         self, system: System, state: State, tolerance: float, *, descend: bool, kick: float = 0.0

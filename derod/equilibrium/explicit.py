@@ -22,6 +22,7 @@ class Explicit:
     easy, hard = 500_000, 2_000_000
     finest = 1e-7  # leaves 1e-8 in E_hat and 1e-6 in t; the steps grow with its logarithm
     tolerance = 0.0
+    stepwise = False
 
     def __init__(self, *, kinetic: bool) -> None:
         self.kinetic = kinetic

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from derod.algebra.bordered import factorize, solve_refined
+from derod.algebra.bordered import factorize, solve, solve_refined
 from derod.algebra.copying import copy_vector
 from derod.algebra.jit import kernel
 from derod.rod.assembly import gradient, hessian
@@ -45,8 +45,11 @@ def unstable_modes(physics, linear, factor):
 
 
 @kernel
-def solve_step(physics, room, factor, work):
-    """Fill the step (dq, db) that takes the residual to zero, with the factor at hand."""
+def solve_step(physics, room, factor, work, refine):
+    """Fill the step (dq, db) that takes the residual to zero, with the factor at hand.
+
+    With ``refine`` it gets a step of iterative refinement: the matrix must be the one that was factored.
+    """
     dq = work.dq
     d, w = len(physics.axis), len(physics.row)
     n = dq.shape[0] - 1
@@ -59,7 +62,10 @@ def solve_step(physics, room, factor, work):
                 x[w * (i - 1) + k] = -room.r[i, k]
     for k in range(BORDER + d):
         y[k] = -room.rb[k]
-    solve_refined(room.linear, factor)
+    if refine:
+        solve_refined(room.linear, factor)
+    else:
+        solve(factor, x, y)
     dq[0] = 0.0
     for i in range(1, n + 1):
         for k in range(w):

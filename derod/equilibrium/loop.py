@@ -59,6 +59,7 @@ class Relaxer(Protocol):
     hard: int  # more than that: it shall be shorter
     finest: float  # K0/D^2, the least tolerance that is worth its cost
     tolerance: float  # K0/D^2, that the last relaxation was held to
+    stepwise: bool  # somebody watches: a batch of steps is one step, where the method has such
 
     def begin(
         self, system: System, state: State, tolerance: float, *, descend: bool, kick: float = 0.0
@@ -97,11 +98,12 @@ def relax(
     state = start.copy()
     if tolerance is None:
         tolerance = max(system.tolerance, relaxer.finest)
+    relaxer.stepwise = watch is not None
     report = relaxer.begin(system, state, tolerance, descend=descend, kick=kick)
-    done = 0
+    done, seen = 0, 0  # iterations; those and the cheap steps between them
     while True:
         if watch is not None:
-            watch(done, state, report)
+            watch(seen, state, report)
         outcome = judge(report, done, relaxer.limit)
         if outcome is not None:
             place = "" if report.sound else f", {system.trouble(state)}"
@@ -114,6 +116,7 @@ def relax(
             return Solution(state, outcome, done, report.residual, message)
         report = relaxer.advance()
         done += report.iterations
+        seen += max(report.iterations, 1)
 
 
 def judge(report: Report, done: int, limit: int) -> Outcome | None:

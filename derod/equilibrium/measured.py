@@ -5,14 +5,16 @@ After it nobody reads the arrays the state was settled in.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
 from derod.equilibrium.control import Control
-from derod.equilibrium.energies import Energies
+from derod.equilibrium.energies import Energies, by_part
 from derod.equilibrium.reactions import Reactions, reactions
-from derod.equilibrium.stability import CLAMP_MOMENT, clamp_moment, sliding_stiffness
+from derod.equilibrium.readings import readings
+from derod.equilibrium.stability import CLAMP_MOMENT, sliding_stiffness
 from derod.equilibrium.system import System
 from derod.rod.state import State
 
@@ -74,10 +76,13 @@ def measure(
     its factor, one sum of energies.
     """
     count = system.linearise(state)
-    excess, residual = system.excess(state, system.tolerance if tolerance is None else tolerance)
-    turning = system.largest_turning()
+    if tolerance is None:
+        tolerance = system.tolerance
+    excess, residual, fall, gap, moment, terms = readings(
+        state.physics, system.room, state.q, state.b, state.holonomy, tolerance
+    )
     held = reactions(system, state)
-    sliding, moment = sliding_stiffness(system), clamp_moment(system)
+    sliding = sliding_stiffness(system)
     column, column_border = control.column(system, state)
     solution, border = system.solve(column, column_border, refine=False)
     stiffness = control.own(system) - float(np.sum(column * solution) + column_border @ border)
@@ -86,13 +91,13 @@ def measure(
     slope_q[-1, system.dimension - 1] += control.moves_end()
     here = Measured(
         state=state,
-        arc_length=system.arc_length(state),
-        energies=system.energies(state),
+        arc_length=system.measured_arc_length(),
+        energies=by_part(terms),
         reactions=held,
         settled=excess <= 1,
         residual=residual,
-        turning=turning,
-        wall_gap=system.wall_gap(state),
+        turning=math.acos(1 - fall),
+        wall_gap=gap,
         unstable_modes=count,
         sliding_stiffness=sliding,
         clamp_moment=moment,

@@ -34,19 +34,6 @@ def sliding_stiffness(system: System) -> float:
     return float(-4.0 * factor.scale[pin] ** 2 * factor.schur[pin, pin])
 
 
-def clamp_moment(system: System) -> float:
-    """Return the larger bending moment at a clamp (K/D), linearly from the two vertices beside it."""
-    kin = system.room.kin
-    out = []
-    for first, second, edge in ((0, 1, 1), (-1, -2, -2)):
-        near = 2 * kin.weight[first] * kin.change[:, first]  # the mean of [0, h/2]
-        far = 2 * kin.weight[second] * kin.change[:, second]  # of the cell around the first node
-        at_far = kin.rest[edge] + 0.25 * (1 / kin.weight[second] - 2 * kin.rest[edge])
-        at_near = 0.25 * kin.rest[edge]
-        out.append(near - (far - near) * at_near / (at_far - at_near))
-    return float(np.linalg.norm(out, axis=1).max())
-
-
 def lowest_mode(
     system: System, state: State, start: np.ndarray
 ) -> tuple[float, np.ndarray, np.ndarray]:

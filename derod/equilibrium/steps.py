@@ -6,7 +6,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-ACCEPTED, STALLED, STRAYED = 0, 1, 2  # what became of a step
+ACCEPTED, STALLED, STRAYED, UNSOUND = 0, 1, 2, 3  # what became of a step, or of a beginning
+PLAIN, REFINED, CHORD = (
+    0,
+    1,
+    2,
+)  # Newton's step, solved for plainly or refined; with the last factor
 
 
 class Rules(NamedTuple):

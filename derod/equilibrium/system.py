@@ -6,8 +6,6 @@ and multiplied back when a frame is made.
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from derod.algebra.bordered import new_factor, solve, solve_refined
@@ -58,7 +56,14 @@ class System:
 
     def arc_length(self, state: State) -> np.ndarray:
         """Return the arc length of the nodes, (N+1,), D."""
-        return np.concatenate([[0.0], np.cumsum(self.rest_lengths(state))])
+        lay_grid(self.mesh, self.physics.length, state.b, self.room.kin)
+        return self.measured_arc_length()
+
+    def measured_arc_length(self) -> np.ndarray:
+        """Return the arc length of the nodes at the state last measured, (N+1,), D."""
+        out = np.zeros(self.edges + 1)
+        np.cumsum(self.room.kin.rest[1:-1], out=out[1:])
+        return out
 
     def gradient(self, state: State) -> bool:
         """Fill the room with the residual at the state and follow the holonomy; False if not finite."""
@@ -112,10 +117,6 @@ class System:
     def end_tension(self, state: State) -> float:
         """Return t, the axial force on the end clamp, at the state whose gradient was taken last."""
         return float(self.room.r[-1, self.dimension - 1] + state.physics.end_tension)
-
-    def largest_turning(self) -> float:
-        """Return the largest turning angle at a node, radians, from the state last measured."""
-        return math.acos(1 - float(self.room.kin.fall.max()))
 
     def outer_length(self, state: State) -> float:
         """Return the shorter length outside the drop, D; without a drop, the whole rod's."""

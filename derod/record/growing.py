@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import contextlib
 import datetime
+import functools
 import os
 import platform
 from importlib import metadata
@@ -105,8 +106,9 @@ class GrowingFile:
             given.append(frame.edge_frame)
         arrays = [np.ascontiguousarray(array, dtype="f8") for array in given]
         time = float(frame.row[self._controls[int(frame.row["segment"])]])
-        check = frame_digest(i, frame.row.tobytes(), arrays, time)
-        self._row[:] = np.frombuffer(frame.row.tobytes() + check.to_bytes(8, "little"), "u1")
+        row = frame.row.tobytes()
+        check = frame_digest(i, row, arrays, time)
+        self._row[:] = np.frombuffer(row + check.to_bytes(8, "little"), "u1")
         for name, array in zip(self._arrays, arrays, strict=True):
             self._values[name].write(i, array)
         self._values[layout.TABLE].write(i, self._row.view(layout.STORED_ROW)[0])
@@ -134,11 +136,7 @@ class GrowingFile:
 
     def _commit(self, frames: int, events: int) -> None:
         """Let the operating system have everything, then the counter."""
-        if frames != self.frames:
-            for column in (*self._values.values(), self._step, self._time):
-                column.flush()
-        if events != self.events:
-            self._events.flush()
+        self._file.flush()
         self._slots.reverse()
         self._slots[0] = committed_digest(frames, events)
         self._committed_check.write(self._slots)
@@ -285,6 +283,7 @@ def _write_provenance(file: h5py.File, scene: Scene, created: str | None) -> Non
     )
 
 
+@functools.cache
 def _version(package: str) -> str:
     if package == "derod":
         import derod
