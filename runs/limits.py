@@ -239,7 +239,7 @@ def shares(times: dict[str, float]) -> Iterator[str]:
         "factorisation": solves * times["factorisation"],
         "solution": solves * times["solution, refined"],
     }
-    parts["line search, prediction, Python"] = memory - sum(parts.values())
+    parts["chord steps, line search, prediction, Python"] = memory - sum(parts.values())
     parts["record (HDF5, every increment committed)"] = file - memory
     yield (
         f"\nA push of paper-text: {rows} increments, {steps} Newton iterations "

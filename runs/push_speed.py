@@ -2,10 +2,12 @@
 
     python runs/push_speed.py
     python runs/push_speed.py --repeats 15 --scenes paper-text
+    python runs/push_speed.py --file --scenes paper-text
 
 Version 0.1 (commit 9e95062) is taken out of this repository's history. The two versions run in turn, each
-in a process of its own that compiles first; what is compared is the CPU time of whole pushes, kept in memory.
-At all common end-shortenings the states must agree in t and E_hat to 1e-9. Exit code 1 where they do not.
+in a process of its own that compiles first; what is compared is the CPU time of whole pushes, kept in memory
+or, with ``--file``, in a run file. At all common end-shortenings the states must agree in t and E_hat to
+1e-9. Exit code 1 where they do not.
 """
 
 from __future__ import annotations
@@ -25,15 +27,17 @@ SCENES = ("paper-text", "paper-figures", "l20-r0", "l20-r2pi")
 SAME = 1e-9
 
 WORKER = """
-import json, sys, time
+import json, os, sys, tempfile, time
 import derod
+folder = tempfile.TemporaryDirectory()
+into = {"path": os.path.join(folder.name, "run.h5"), "overwrite": True} if FILE else {}
 scenes = [derod.load_scene(name) for name in sys.argv[1:]]
 scenes = [scene.replace({"push.at": [0.1 * k for k in range(1, int(10 * scene.push.stop[-1]) + 1)
                                      if 0.1 * k < scene.push.stop[-1]]}) for scene in scenes]
 for line in sys.stdin:
     scene = scenes[int(line)]
     clock = time.process_time()
-    run = derod.push(scene)
+    run = derod.push(scene, **into)
     seconds = time.process_time() - clock
     rows = [[float(row[n]) for n in ("end_shortening", "end_tension", "energy_hat")]
             for row in run.table]
@@ -45,7 +49,7 @@ for line in sys.stdin:
 class Worker:
     """A process that pushes scenes with one version of the package, on demand."""
 
-    def __init__(self, sources: Path, scenes: list[str]) -> None:
+    def __init__(self, sources: Path, scenes: list[str], *, file: bool) -> None:
         own = {
             "PYTHONPATH": str(sources),
             "OPENBLAS_NUM_THREADS": "1",
@@ -53,7 +57,7 @@ class Worker:
             "NUMBA_NUM_THREADS": "1",
         }
         self.process = subprocess.Popen(
-            [sys.executable, "-c", WORKER, *scenes],
+            [sys.executable, "-c", f"FILE = {file}\n{WORKER}", *scenes],
             env={**os.environ, **own},
             cwd=sources,
             stdin=subprocess.PIPE,
@@ -92,12 +96,14 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--scenes", default=",".join(SCENES))
     parser.add_argument("--repeats", type=int, default=9)
+    parser.add_argument("--file", action="store_true", help="push into a run file")
     args = parser.parse_args()
     names = args.scenes.split(",")
     files = [str((HERE / f"{name}.toml").resolve()) for name in names]
     good = True
     with tempfile.TemporaryDirectory() as folder:
-        workers = [Worker(old_sources(Path(folder)), files), Worker(HERE.parent, files)]
+        sources = (old_sources(Path(folder)), HERE.parent)
+        workers = [Worker(one, files, file=args.file) for one in sources]
         for which, name in enumerate(names):
             for worker in workers:
                 worker.push(which)  # compiles

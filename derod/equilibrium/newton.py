@@ -27,6 +27,7 @@ CORRECTIONS = 3  # of a followed trial's lengths, before it is condemned
 FARTHEST = 0.15  # D that a node may lie from where the branch was predicted
 TURNED = 0.6  # rad that an edge may be turned from it
 LEFT = 0.5  # of the residual, the most that a chord step may leave
+POLISHED = 0.1  # of the tolerance: down to that go chord steps, where they still help
 MORE = 4  # chord steps, in which the residual must be about to meet its tolerance: a Newton step costs more
 
 
@@ -45,6 +46,8 @@ def begin_following(physics, mesh, tolerance, psi, room, q, b, work):
 def follow(physics, mesh, rules, most, coming, psi, room, factor, q, b, work):
     """Take at most ``most`` steps in place, until the residual meets its tolerance, within the region.
 
+    A Newton step meets it by far, a chord step just so: others follow it, beyond ``most``, down to POLISHED.
+
     ``coming`` is the kind of the first: PLAIN to begin with, then REFINED, but CHORD where one is likely to
     help. Returns (outcome, Newton's steps among them, the kind to go on with, psi, excess, force residual);
     ``room`` holds the gradient, on entry and on return.
@@ -52,7 +55,7 @@ def follow(physics, mesh, rules, most, coming, psi, room, factor, q, b, work):
     level, force = excess(physics, room.r, room.rb, room.kin, rules.tolerance)
     sharp = max(SHARP, sharpest(room.kin))
     done, hessians = 0, 0
-    while done < most and level > 1:
+    while (done < most and level > 1) or (coming == CHORD and 1 >= level > POLISHED):
         done += 1
         if coming == CHORD:
             before = level
