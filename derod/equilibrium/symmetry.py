@@ -12,7 +12,7 @@ it turns it into minus itself; under the mirror that is: in the plane, and out o
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
