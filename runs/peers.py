@@ -4,16 +4,16 @@
     python -m pip install '.[bench]'      (only for this; derod does not need them)
     python runs/peers.py                  all: [elastica] [drop] [step] [branches]
     python runs/peers.py tune             the scan that PyElastica's settings were chosen from (ten minutes)
-    python runs/peers.py tune-elastica    that of OpenSees, Exudyn and solve_bvp (two minutes)
+    python runs/peers.py tune-elastica    that of the other peers on the elastica (three minutes)
     python runs/peers.py tune-branches    that of AUTO-07p (ten minutes)
 
-Prints tables and writes runs/out/peers.csv. What each is given is told at the head of its file in runs/bench:
-pyelastica, opensees, exudyn_cable, collocation, auto. A peer that is not here is named and left out; AUTO
-needs gfortran, and the sources of bifpy, which pip downloads. The drop scene is runs/paper-text.toml, pushed
-to 0.5 pi; exact is derod at 800 edges, which the branches
-of the boundary-value problem confirm to 1e-7 (runs/push_figures.py). Both codes go there as fast as they
-can: PyElastica in one smooth push, derod in increments of up to 0.25 pi. An error is the larger of those of t
-and E_hat: each alone is small by chance on some settings.
+Prints tables and writes runs/out/peers.csv. What each is given is told at the head of its file in
+runs/bench: pyelastica, opensees, exudyn_cable, mujoco_cable, collocation, auto. A peer that is not here is
+named and left out; AUTO needs gfortran, and the sources of bifpy, which pip downloads. The drop scene is
+runs/paper-text.toml, pushed to 0.5 pi; exact is derod at 800 edges, which the branches of the boundary-value
+problem confirm to 1e-7 (runs/push_figures.py). Both codes go there as fast as they can: PyElastica in one
+smooth push, derod in increments of up to 0.25 pi. An error is the larger of those of t and E_hat: each alone
+is small by chance on some settings.
 """
 
 from __future__ import annotations
@@ -250,7 +250,9 @@ def ratio(peer: Row, own: Row, clock: str) -> str:
     times = getattr(peer, clock) / getattr(own, clock)
     word = "faster" if times >= 1 else "slower"
     close = ", close" if 0.5 < times < 2 else ""
-    return f"{own.edges} edges, {max(times, 1 / times):.2g} times {word}{close} |"
+    size = max(times, 1 / times)
+    digits = ".1f" if size < 9.95 else ".0f"
+    return f"{own.edges} edges, {size:{digits}} times {word}{close} |"
 
 
 def branches() -> Iterator[str]:
