@@ -88,16 +88,15 @@ class Arc:
         return own.dot(tangent) + self.scale**2 * point.rate * rate
 
     def correct(
-        self, guess: State, direction: Vector, rate: float, size: float
+        self, guess: State, direction: Vector, rate: float, size: float, offset: float = 0.0
     ) -> tuple[State, int] | None:
-        """Settle ``guess`` in the plane through it across (direction, rate); None where that fails.
+        """Settle ``guess`` in the plane across (direction, rate), ``offset`` behind it; None where that fails.
 
         ``direction`` is weighed by the metric; ``rate`` is that of the control. ``size`` is the
         region: half of it is what corrections may add up to.
         """
         system, control, bordered = self.system, self.control, self.bordered
         state, span = guess.copy(), 0.0
-        offset = 0.0  # in the plane's row
         previous = math.inf
         row = self.scale**2 * rate
         for count in range(MOST_ITERATIONS + 1):
@@ -129,10 +128,9 @@ class Arc:
             moved = self.moved(state, state, step, dp, 1.0, 0.0)
             if moved is None:
                 return None
-            change = Vector(
-                moved.q[1:] - state.q[1:], padded(moved.b - state.b, step.border.size)
+            offset += direction.dot(self.difference(state, moved)) + row * (
+                control.value(moved) - control.value(state)
             )
-            offset += direction.dot(change) + row * (control.value(moved) - control.value(state))
             state = moved
         return None
 
@@ -208,7 +206,9 @@ class Arc:
         else:
             return None
         region = max(abs(size), region)
-        done = self.correct(guess, direction, point.rate, region)
+        ahead = direction.dot(self.difference(point.state, guess))
+        ahead += self.scale**2 * point.rate * (self.control.value(guess) - point.value)
+        done = self.correct(guess, direction, point.rate, region, ahead - size)
         if done is None:
             return None
         found = self.point(done[0], direction, point.rate)
@@ -222,16 +222,18 @@ class Arc:
         found.arc, found.iterations = point.arc + size, done[1]
         return found
 
+    def difference(self, one: State, other: State) -> Vector:
+        """Return what leads from one state to the other, the multipliers too."""
+        border = np.zeros(self.bordered.size)
+        border[: one.b.size] = other.b - one.b
+        return Vector(other.q[1:] - one.q[1:], border)
+
     def bow(self, point: Point, found: Point, size: float) -> float:
         """Return how far the chord of a step is from the mean of its ends' tangents, over the step.
 
         On one smooth path that is of second order in the turn of the tangent; on another sheet it is not small.
         """
-        border = point.tangent.border.size
-        chord = Vector(
-            found.state.q[1:] - point.state.q[1:],
-            padded(found.state.b - point.state.b, border),
-        )
+        chord = self.difference(point.state, found.state)
         left = chord - (point.tangent + found.tangent).times(0.5 * size)
         rest = found.value - point.value - 0.5 * size * (point.rate + found.rate)
         square = left.dot(weighed(point.weight, left)) + (self.scale * rest) ** 2
@@ -263,10 +265,3 @@ def turned_to(old: State, point: Point) -> State:
 def weighed(weight: Vector, vector: Vector) -> Vector:
     """Return the metric times a vector."""
     return Vector(weight.rows * vector.rows, weight.border * vector.border)
-
-
-def padded(b: np.ndarray, size: int) -> np.ndarray:
-    """Return what is like a state's ``b`` as a border of ``size`` rows."""
-    out = np.zeros(size)
-    out[: b.size] = b
-    return out

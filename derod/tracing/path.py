@@ -40,7 +40,9 @@ class Path:
     specials: list[Special] = field(default_factory=list)
     begins: str = ""
     ends: str = ""
-    whole: bool = True  # it ended for a reason of its own, or at a limit; False: no way on was found
+    whole: bool = (
+        True  # it ended for a reason of its own, or at a limit; False: no way on was found
+    )
 
     def reversed(self) -> Path:
         """Return the path run from its end."""
@@ -122,7 +124,9 @@ def closes(arc: Arc, first: Point, before: Point, last: Point) -> bool:
         return False
     weight = node_weights(arc.system.rest_lengths(last.state))
     size = math.sqrt(weight.sum())
-    return size * distance(last.state, first.state, weight) < 0.75 * step and last.count == first.count
+    return (
+        size * distance(last.state, first.state, weight) < 0.75 * step and last.count == first.count
+    )
 
 
 def stuck_words(arc: Arc, here: Point) -> str:

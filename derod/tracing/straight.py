@@ -94,9 +94,7 @@ def count_at(system: System, tension: float) -> int:
     return system.linearise(straight_state(system, tension))
 
 
-def between(
-    system: System, high: tuple[float, int], low: tuple[float, int]
-) -> list[Buckling]:
+def between(system: System, high: tuple[float, int], low: tuple[float, int]) -> list[Buckling]:
     """Return the buckling points between two tensions, the higher one's first."""
     if high[1] == low[1]:
         return []
