@@ -11,7 +11,9 @@ from derod.rod.unknowns import BORDER, F_A, MULTIPLIERS
 FIRST_SHIFT = 1.0  # K0/D^4, of a soft mode's stiffness
 LARGEST_SHIFT = 1e12
 RAISE = 4.0
-ANGLE_INERTIA = 0.01  # D^2: turning an edge about itself by an angle costs as moving it by a tenth of that
+ANGLE_INERTIA = (
+    0.01  # D^2: turning an edge about itself by an angle costs as moving it by a tenth of that
+)
 
 
 @kernel

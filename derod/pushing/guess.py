@@ -22,9 +22,7 @@ def bent_guess(system: System, physics: Any, end_shortening: float, side: float 
     is 1 or -1, the way it bends in y. ``physics`` are the constants it shall be settled with.
     """
     d = system.dimension
-    state = State(
-        new_q(system.edges, physics), np.zeros(BORDER + d), 0.0, end_shortening, physics
-    )
+    state = State(new_q(system.edges, physics), np.zeros(BORDER + d), 0.0, end_shortening, physics)
     if physics.drop:
         wetted = min(1 + end_shortening, 0.5 * (1 + physics.length))
         middle = 0.5 * physics.length

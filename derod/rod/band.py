@@ -151,7 +151,9 @@ def fill_twist(physics, grad, border, corner):
     corner[moment, moment] = -physics.length / physics.twisting
     for i in range(1, grad.node.shape[0] - 1):
         for k in range(3):
-            border[len(physics.row) * (i - 1) + k, moment] = grad.holonomy[k, i] - grad.holonomy[k, i + 1]
+            border[len(physics.row) * (i - 1) + k, moment] = (
+                grad.holonomy[k, i] - grad.holonomy[k, i + 1]
+            )
 
 
 @inlined

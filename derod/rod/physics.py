@@ -39,7 +39,12 @@ def physics_of(scene: Scene) -> Any:
 
 
 def constants(
-    dimension: int, length: float, *, drop: bool, slides: bool = False, angles: bool = False,
+    dimension: int,
+    length: float,
+    *,
+    drop: bool,
+    slides: bool = False,
+    angles: bool = False,
     **terms: float,
 ) -> Any:
     """Return constants by name; those of terms that are not given are 0."""

@@ -14,7 +14,9 @@ from derod.rod.unknowns import ANGLE, ETA, F_A, F_B, S_A, S_B, X_C
 class State:
     """Unknowns of the discrete rod, in the arrays the kernels work on (``rod.unknowns``)."""
 
-    q: np.ndarray  # (N+1, d+1): positions, and the tension of the edge that ends there; more with angles
+    q: (
+        np.ndarray
+    )  # (N+1, d+1): positions, and the tension of the edge that ends there; more with angles
     b: np.ndarray  # (d+5,): s_A, s_B, x_C, f_A, f_B, eta
     holonomy: float  # psi, radians, on the branch followed so far
     end_shortening: float  # delta, D; where the end slides, as far as the last relaxation took it

@@ -22,7 +22,13 @@ def check_directors(scene: Scene) -> None:
         turn = clamps.directors[1] - clamps.directors[0]
         if abs(clamps.end_rotation - turn) > SAME_ANGLE:
             allowed = f"{write_quantity(turn)}, the difference of clamps.directors, or nothing"
-            _fail(scene, "clamps.end_rotation", clamps.end_rotation, "is not alpha_L - alpha_0", allowed)
+            _fail(
+                scene,
+                "clamps.end_rotation",
+                clamps.end_rotation,
+                "is not alpha_L - alpha_0",
+                allowed,
+            )
     if scene.model.dimension == 3:
         return
     for name in ("natural_curvature", "natural_twist"):
@@ -56,7 +62,9 @@ def check_pushable(scene: Scene) -> None:
             allowed=PAIR,
         )
     if not rod.twisting > 0.0:
-        _fail(scene, "rod.twisting", rod.twisting, "cannot hold the section's directions", "above 0")
+        _fail(
+            scene, "rod.twisting", rod.twisting, "cannot hold the section's directions", "above 0"
+        )
     if scene.relax.method != "implicit":
         _fail(
             scene,

@@ -26,6 +26,7 @@ from derod.rod.state import State
 from derod.rod.unknowns import F_A, X_C
 from derod.scene.controls import HELD
 from derod.tracing.bordered import Bordered, Vector
+from derod.tracing.symmetry import turns_freely
 
 UNIT_STEP = 0.02 * math.pi  # D, the end-shortening's usual step
 MOST_ITERATIONS = 8  # of one correction
@@ -35,7 +36,7 @@ BOWED = 0.08  # of a step, how far its chord may be from the mean of the tangent
 LAST = 1e-10  # of the region, that the arclength's row must come to
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, eq=False)
 class Point:
     """A settled state of a path, with the path's tangent there."""
 
@@ -142,7 +143,7 @@ class Arc:
         None where that leaves the wall or distorts an edge (``pushing.prediction``).
         """
         slope_q = np.zeros_like(state.q)
-        slope_q[1:] = slope.rows
+        slope_q[1:, : state.width] = slope.rows
         last = self.system.dimension - 1
         if not state.physics.slides:
             slope_q[-1, last] = self.control.moves_end() * rate
@@ -214,8 +215,8 @@ class Arc:
         found = self.point(done[0], direction, point.rate)
         if found is None:
             return None
-        ahead, rate = self.unit(found.tangent, found.rate, point.weight)
-        cosine = self.inner(point, ahead, rate)
+        tangent, rate = self.unit(found.tangent, found.rate, point.weight)
+        cosine = self.inner(point, tangent, rate)
         found.turned = math.acos(min(1.0, max(-1.0, cosine)))
         if found.turned > TURNED or self.bow(point, found, size) * abs(size) > BOWED * region:
             return None
@@ -226,7 +227,8 @@ class Arc:
         """Return what leads from one state to the other, the multipliers too."""
         border = np.zeros(self.bordered.size)
         border[: one.b.size] = other.b - one.b
-        return Vector(other.q[1:] - one.q[1:], border)
+        width = one.width
+        return Vector(other.q[1:, :width] - one.q[1:, :width], border)
 
     def bow(self, point: Point, found: Point, size: float) -> float:
         """Return how far the chord of a step is from the mean of its ends' tangents, over the step.
@@ -246,7 +248,7 @@ def turned_to(old: State, point: Point) -> State:
     Else a prediction of second order, which holds the turn between two states against the tangent, would amplify it.
     """
     state = point.state
-    if state.dimension == 2 or state.physics.weight != 0.0:
+    if not turns_freely(state):
         return old
     share = point.weight.rows[:, 0]
     here, there = (one.q[1:, 0] + 1j * one.q[1:, 1] for one in (state, old))

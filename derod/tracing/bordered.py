@@ -25,7 +25,7 @@ from derod.equilibrium.system import System
 from derod.rod import assembly
 from derod.rod.arrays import Linear
 from derod.rod.state import State
-from derod.rod.unknowns import MULTIPLIERS, F_A
+from derod.rod.unknowns import F_A, MULTIPLIERS
 
 
 class Vector(NamedTuple):
@@ -72,9 +72,9 @@ class Bordered:
         if not system.gradient(state):
             return None
         d = system.dimension
-        out = Vector(system.room.r[1:].copy(), np.zeros(self.size))
+        out = Vector(system.room.r[1:, : system.width].copy(), np.zeros(self.size))
         end = out.rows[-1]
-        end[: d - 1] = 0.0
+        end[: d - 1] = 0.0  # across the axis
         if not state.physics.slides:
             end[d - 1] = 0.0
         out.border[: system.room.rb.size] = system.room.rb

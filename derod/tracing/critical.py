@@ -15,6 +15,7 @@ from derod.equilibrium.system import System
 from derod.rod.state import State
 from derod.rod.unknowns import F_A, X_C
 from derod.tracing.bordered import Vector
+from derod.tracing.symmetry import turns_freely
 
 SUBSPACE = 5  # vectors
 SWEEPS, SETTLED = 60, 1e-9  # at most; relative change of the eigenvalues wanted in the last one
@@ -80,10 +81,9 @@ def orthonormal(block: np.ndarray, metric: np.ndarray) -> np.ndarray:
 
 def turning(state: State, size: int) -> np.ndarray:
     """Return the displacement of a turn about the clamp axis, e_z x r, rows and border in one, (size,)."""
-    d = state.dimension
-    rows = np.zeros_like(state.q[1:])
+    rows = np.zeros((state.q.shape[0] - 1, state.width))
     out = np.zeros(size)
-    if d == 3 and state.physics.weight == 0.0:
+    if turns_freely(state):
         rows[:-1, 0], rows[:-1, 1] = -state.q[1:-1, 1], state.q[1:-1, 0]
         out[: rows.size] = rows.ravel()
         out[rows.size + X_C] = -state.b[X_C + 1]

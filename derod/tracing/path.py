@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 from derod.rod.state import State
 from derod.tracing.arc import Arc, Point
-from derod.tracing.special import BRANCH_POINT, JOINT, Special, specials
+from derod.tracing.special import BRANCH_POINT, FOLD, JOINT, Special, specials
 from derod.tracing.symmetry import distance, node_weights
 
 OUTER_LEAST = 0.01  # D; a rod with less outside the drop has run out
@@ -25,7 +25,7 @@ class Limits:
     low: float = -math.inf  # of the control, in the rod's units
     high: float = math.inf
     energy_hat: float = math.inf  # K/D
-    points: int = 2000
+    points: int = 1000
     first: float = 0.02  # of the arclength's steps, D
     longest: float = 0.4
     shortest: float = 1e-5
@@ -82,14 +82,20 @@ def follow(
             return path
         found = specials(arc, here, there)
         path.specials += found
-        joint = next((special for special in found if special.kind == JOINT), None)
+        turns = [special for special in found if special.kind in (FOLD, JOINT)]
+        joint = next((special for special in turns if special.kind == JOINT), None)
+        for special in turns:  # the control is monotone between neighbours
+            if path.points[-1].arc < special.point.arc < there.arc:
+                path.points.append(special.point)
+            if special is joint:
+                break
         if joint is not None:
             path.ends = "joins another path, as its own mirror image"
             return path
         path.points.append(there)
         if watch is not None:
             watch(path)
-        reason = end_reason(arc, path, limits)
+        reason = end_reason(arc, path, here, limits)
         if reason:
             path.ends = reason
             return path
@@ -100,12 +106,12 @@ def follow(
         before, here = here, there
 
 
-def end_reason(arc: Arc, path: Path, limits: Limits) -> str:
-    """Return why a path ends at its last point, or nothing."""
-    last, before, first = path.points[-1], path.points[-2], path.points[0]
+def end_reason(arc: Arc, path: Path, before: Point, limits: Limits) -> str:
+    """Return why a path ends at its last point, reached from ``before``, or nothing."""
+    last, first = path.points[-1], path.points[0]
     if not limits.low <= last.value <= limits.high:
         return "the control's range ends"
-    if last.here.energy_hat > limits.energy_hat > before.here.energy_hat:
+    if last.here.energy_hat > max(limits.energy_hat, before.here.energy_hat):
         return "the limit of energy"
     if arc.system.physics.drop and arc.system.outer_length(last.state) < OUTER_LEAST:
         return "the outer rod has run out"

@@ -31,7 +31,7 @@ NARROWEST = 1e-5  # of the first step: two changes closer than that are one of h
 FOLD, BRANCH_POINT, JOINT = "fold", "branch point", "joint"
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, eq=False)
 class Special:
     """A special point of a path."""
 
@@ -45,6 +45,7 @@ class Special:
     error: float  # of the control, estimated from the last secant step
     base: State  # on the path at ``arc``, without the rounding that a singular matrix amplifies
     partner: str = ""
+    fate: str = ""  # what came of switching there (``explore``)
     symmetric: bool = True  # a pitchfork; else transcritical
 
 
@@ -61,7 +62,7 @@ def specials(arc: Arc, a: Point, b: Point, span: float | None = None) -> list[Sp
         kind = FOLD if change else JOINT
         found = locate(arc, a, b, kind, lambda point: point.rate)
         return [] if found is None else [found]
-    if not turns and abs(change) == 1 or b.arc - a.arc < NARROWEST * span:
+    if (not turns and abs(change) == 1) or b.arc - a.arc < NARROWEST * span:
         found = locate(arc, a, b, BRANCH_POINT, crossing_eigenvalue(arc, a, b))
         if found is None:
             return []
@@ -146,7 +147,7 @@ def between(arc: Arc, a: Point, b: Point, place: float) -> State:
     own, other = u * (1 - u) ** 2 * span, u * u * (u - 1) * span
     state = a.state.copy()
     state.q[:] = near * a.state.q + far * b.state.q
-    state.q[1:] += own * a.tangent.rows + other * b.tangent.rows
+    state.q[1:, : state.width] += own * a.tangent.rows + other * b.tangent.rows
     size = state.b.size
     state.b[:] = near * a.state.b + far * b.state.b
     state.b += own * a.tangent.border[:size] + other * b.tangent.border[:size]

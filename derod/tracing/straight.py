@@ -17,6 +17,7 @@ from derod.equilibrium.implicit import Implicit
 from derod.equilibrium.loop import relax
 from derod.equilibrium.system import System
 from derod.errors import DerodError
+from derod.rod.arrays import new_q
 from derod.rod.state import State
 from derod.rod.unknowns import BORDER, ETA, F_A, S_A, S_B, X_C
 from derod.tracing.arc import Arc, Point, weighed
@@ -47,7 +48,7 @@ def straight_state(system: System, tension: float) -> State:
     """Return the straight rod under a dead load ``tension`` (K/D^2), settled. Raises StraightError."""
     d = system.dimension
     physics = system.physics._replace(slides=True, end_tension=tension)
-    state = State(np.zeros((system.edges + 1, d + 1)), np.zeros(BORDER + d), 0.0, 0.0, physics)
+    state = State(new_q(system.edges, physics), np.zeros(BORDER + d), 0.0, 0.0, physics)
     middle = 0.5 * physics.length
     if physics.drop:
         state.b[S_A], state.b[S_B] = middle - 0.5, middle + 0.5
@@ -109,20 +110,21 @@ def between(system: System, high: tuple[float, int], low: tuple[float, int]) -> 
 def refined(system: System, high: tuple[float, int], low: tuple[float, int]) -> Buckling:
     """Return the one buckling point between two tensions: the zero of the critical eigenvalue."""
 
-    def critical(tension: float) -> tuple[float, State, list[Vector], np.ndarray]:
+    def critical(tension: float) -> tuple[float, State, list[Vector]]:
         state = straight_state(system, tension)
         values, modes = nearest_modes(system, state, 2)
         count = system.linearise(state)
         side = values > 0 if (count == high[1]) else values < 0
         mu = values[side][0] if np.any(side) else values[0]
-        return float(mu), state, modes, values
+        return float(mu), state, modes
 
     a, b = high[0], low[0]
     fa, fb = critical(a)[0], critical(b)[0]
-    tension, state, modes, values = a, straight_state(system, a), [], np.zeros(2)
+    tension, modes = a, list[Vector]()
+    state = straight_state(system, a)
     for _ in range(LOOKS):
         before, tension = tension, a - fa * (b - a) / (fb - fa)
-        f, state, modes, values = critical(tension)
+        f, state, modes = critical(tension)
         if abs(tension - before) <= CLOSE * (1 + abs(tension)):
             break
         if f * fb > 0:
@@ -159,7 +161,7 @@ def buckled(arc: Arc, buckling: Buckling, side: float = 1.0) -> Point | None:
     weight = arc.metric(base)
     for leap in LEAPS:
         guess = base.copy()
-        guess.q[1:] += leap * mode.rows
+        guess.q[1:, : guess.width] += leap * mode.rows
         guess.b += leap * mode.border[: guess.b.size]
         across = np.diff(guess.q[:, : d - 1], axis=0)
         along = np.sqrt(np.maximum(rest**2 - np.sum(across**2, axis=1), 0.0))

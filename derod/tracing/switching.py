@@ -69,7 +69,7 @@ def is_mirrored(special: Special) -> bool:
         return True
     state = special.base
     mode = np.zeros_like(state.q)
-    mode[1:] = special.mode.rows
+    mode[1:, : state.width] = special.mode.rows
     return breaks_a_symmetry(state, mode, state.physics.end_rotation - state.holonomy)
 
 

@@ -12,6 +12,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from derod.rod.state import State
+from derod.rod.terms import TERMS
 
 SAME = 1e-5  # D, root mean square over the rod, of two states that are one
 
@@ -27,6 +28,14 @@ def images(state: State) -> Iterator[np.ndarray]:
         yield np.stack([-u.conj()[::-1], along[-1] - along[::-1]], axis=1)
 
 
+def turns_freely(state: State) -> bool:
+    """Return whether turning the rod about the clamp axis costs nothing."""
+    broken = (term.breaks_turn for term in TERMS)
+    return state.dimension == 3 and not any(
+        getattr(state.physics, name) != 0.0 for name in broken if name
+    )
+
+
 def distance(state: State, other: State, weight: np.ndarray) -> float:
     """Return the least distance (D, root mean square) of a state from the images of another.
 
@@ -34,7 +43,7 @@ def distance(state: State, other: State, weight: np.ndarray) -> float:
     """
     own = next(images(state))
     share = weight / weight.sum()
-    free = state.dimension == 3 and state.physics.weight == 0.0
+    free = turns_freely(state)
     least = np.inf
     for image in images(other):
         u = image[:, 0]

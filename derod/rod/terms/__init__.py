@@ -81,7 +81,9 @@ TERMS: list[Term] = [
         part="twist",
         needs="space",
         constants={
-            "twisting": lambda scene: 0.0 if scene.has_frames else scene.rod.twisting / scene.rod.bending,
+            "twisting": lambda scene: (
+                0.0 if scene.has_frames else scene.rod.twisting / scene.rod.bending
+            ),
             "end_rotation": lambda scene: float(scene.clamps.end_rotation),
         },
     ),
@@ -89,8 +91,12 @@ TERMS: list[Term] = [
         f"{HOME}.section",
         part="bend",
         constants=section_constants(
-            "section", "stiffening", "natural_curvature_1", "natural_curvature_2",
-            "director_start", "director_end",
+            "section",
+            "stiffening",
+            "natural_curvature_1",
+            "natural_curvature_2",
+            "director_start",
+            "director_end",
         ),
         breaks_turn="section",
     ),
