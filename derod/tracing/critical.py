@@ -17,7 +17,7 @@ from derod.rod.unknowns import F_A, X_C
 from derod.tracing.bordered import Vector
 from derod.tracing.symmetry import turns_freely
 
-SUBSPACE = 5  # vectors
+SPARE = 3  # vectors beyond those that are wanted
 SWEEPS, SETTLED = 60, 1e-9  # at most; relative change of the eigenvalues wanted in the last one
 LEAST_TURN = 1e-10  # D^1.5; below it the rod lies on the axis
 
@@ -38,7 +38,7 @@ def nearest_modes(
     size = np.sqrt(turn @ (metric * turn))
     turn = turn / size if size > LEAST_TURN else np.zeros_like(turn)
     rng = np.random.default_rng(0)
-    block = rng.standard_normal((SUBSPACE, metric.size)) * (metric > 0)
+    block = rng.standard_normal((count + SPARE, metric.size)) * (metric > 0)
     block = orthonormal(without(block, turn, metric), metric)
     values = np.full(count, np.inf)
     for _ in range(SWEEPS):

@@ -110,28 +110,37 @@ def between(system: System, high: tuple[float, int], low: tuple[float, int]) -> 
 def refined(system: System, high: tuple[float, int], low: tuple[float, int]) -> Buckling:
     """Return the one buckling point between two tensions: the zero of the critical eigenvalue."""
 
-    def critical(tension: float) -> tuple[float, State, list[Vector]]:
-        state = straight_state(system, tension)
-        values, modes = nearest_modes(system, state, 2)
-        count = system.linearise(state)
-        side = values > 0 if (count == high[1]) else values < 0
-        mu = values[side][0] if np.any(side) else values[0]
-        return float(mu), state, modes
-
-    a, b = high[0], low[0]
-    fa, fb = critical(a)[0], critical(b)[0]
-    tension, modes = a, list[Vector]()
-    state = straight_state(system, a)
-    for _ in range(LOOKS):
-        before, tension = tension, a - fa * (b - a) / (fb - fa)
-        f, state, modes = critical(tension)
-        if abs(tension - before) <= CLOSE * (1 + abs(tension)):
+    a, b = high[0], low[0]  # the counts there bracket the point
+    fa, fb = critical(system, a, above=True)[0], critical(system, b, above=False)[0]
+    tension = 0.5 * (a + b)
+    for look in range(LOOKS):
+        before = tension
+        tension = a - fa * (b - a) / (fb - fa) if fa > 0 > fb else 0.5 * (a + b)
+        if look and abs(tension - before) <= CLOSE * (1 + abs(tension)):
             break
-        if f * fb > 0:
-            b, fb, fa = tension, f, fa * (0.5 if abs(f) > 0.1 * abs(fa) else 1.0)
+        if count_at(system, tension) <= high[1]:
+            f = critical(system, tension, above=True)[0]
+            fb *= 0.5 if abs(f) > 0.1 * abs(fa) else 1.0
+            a, fa = tension, f
         else:
-            a, fa, fb = tension, f, fb * (0.5 if abs(f) > 0.1 * abs(fb) else 1.0)
+            f = critical(system, tension, above=False)[0]
+            fa *= 0.5 if abs(f) > 0.1 * abs(fb) else 1.0
+            b, fb = tension, f
+    _, state, modes = critical(system, tension, above=abs(fa) < abs(fb))
     return Buckling(tension, in_its_plane(system, modes), low[1] - high[1], state)
+
+
+def critical(
+    system: System, tension: float, *, above: bool
+) -> tuple[float, State, list[Vector]]:
+    """Return the eigenvalue nearest to zero on its stable side (``above``) or the other; 0 where none is seen.
+
+    With the straight state, and the pair of modes nearest to zero.
+    """
+    state = straight_state(system, tension)
+    values, modes = nearest_modes(system, state, 8)
+    side = values[values > 0] if above else values[values < 0]
+    return (float(side[0]) if side.size else 0.0), state, modes[:2]
 
 
 def in_its_plane(system: System, modes: list[Vector]) -> Vector:
