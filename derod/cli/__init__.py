@@ -27,6 +27,8 @@ COMMANDS: tuple[str, ...] = (
     "derod.cli.branches:add_compare_parser",
     "derod.cli.modes:add_modes_parser",
     "derod.cli.modes:add_sensitivities_parser",
+    "derod.cli.trace:add_trace_parser",
+    "derod.cli.trace:add_explore_parser",
     "derod.views.stream.cli:add_view_parser",
     "derod.views.plots.cli:add_plot_parser",
     "derod.views.plots.cli:add_movie_parser",

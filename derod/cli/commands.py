@@ -111,7 +111,9 @@ def info(args: argparse.Namespace) -> int:
     from derod.cli.summary import summary_lines
     from derod.record import open_run
 
-    kinds.expect(args.file, kinds.RESULTS)
+    kinds.expect(args.file, kinds.RESULTS | kinds.DIAGRAMS)
+    if kinds.kind_of(args.file) is kinds.Kind.DIAGRAM:
+        return _info_of_diagram(args)
     if kinds.kind_of(args.file) is kinds.Kind.BRANCHES:
         return _info_of_branches(args)
     with open_run(args.file, verify=args.verify) as run:
@@ -124,6 +126,20 @@ def info(args: argparse.Namespace) -> int:
                 show(line)
         if args.verify:
             show(f"verified: all {len(run)} increments, events and the scene fit their checksums")
+    return exits.DONE
+
+
+def _info_of_diagram(args: argparse.Namespace) -> int:
+    from derod.cli.diagram_summary import diagram_lines
+    from derod.diagram.reading import read_diagram
+
+    if args.si:
+        raise exits.UsageError(f"{args.file}: --si is for run files, and this is a diagram file")
+    diagram = read_diagram(args.file)  # held against its checksums
+    for line in diagram_lines(diagram):
+        show(line)
+    if args.verify:
+        show(f"verified: all {len(diagram.paths)} paths and the head fit their checksums")
     return exits.DONE
 
 

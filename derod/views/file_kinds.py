@@ -20,6 +20,7 @@ class Kind(Enum):
 
     RUN = "a run file (derod push)"
     BRANCHES = "a branch file (derod branch)"
+    DIAGRAM = "a diagram file (derod trace, derod explore)"
     SCENE = "a scene (TOML)"
     RERUN = "a rerun recording (open it with: rerun FILE)"
     FOLDER = "a folder"
@@ -27,11 +28,13 @@ class Kind(Enum):
 
 
 SCENES, RUNS, BRANCHES = {Kind.SCENE}, {Kind.RUN}, {Kind.BRANCHES}
+DIAGRAMS = {Kind.DIAGRAM}
 RESULTS = RUNS | BRANCHES
 
 ELSEWHERE = {
     Kind.SCENE: "derod check reads scenes, derod push runs them",
     Kind.RUN: "derod info reads runs, derod push --resume goes on with them",
+    Kind.DIAGRAM: "derod info and derod plot diagram read diagram files",
     Kind.BRANCHES: "derod info reads branch files, derod branch --resume goes on with them",
 }
 """What reads a file of that kind."""
@@ -65,6 +68,10 @@ def _kind_of_hdf5(path: str) -> Kind:
 
     if is_branch_file(path):
         return Kind.BRANCHES
+    from derod.diagram.checking import is_diagram_file
+
+    if is_diagram_file(path):
+        return Kind.DIAGRAM
     try:
         gate, file = open_gate(path)
     except RecordError:
