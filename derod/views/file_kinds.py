@@ -21,6 +21,8 @@ class Kind(Enum):
     RUN = "a run file (derod push)"
     BRANCHES = "a branch file (derod branch)"
     SCENE = "a scene (TOML)"
+    SWEEP = "a sweep (derod sweep)"
+    SWEEP_PLAN = "a sweep's plan (TOML)"
     RERUN = "a rerun recording (open it with: rerun FILE)"
     FOLDER = "a folder"
     OTHER = "something else"
@@ -28,11 +30,15 @@ class Kind(Enum):
 
 SCENES, RUNS, BRANCHES = {Kind.SCENE}, {Kind.RUN}, {Kind.BRANCHES}
 RESULTS = RUNS | BRANCHES
+SWEEPS = {Kind.SWEEP_PLAN}
+TABLES = RESULTS | {Kind.SWEEP}
 
 ELSEWHERE = {
     Kind.SCENE: "derod check reads scenes, derod push runs them",
     Kind.RUN: "derod info reads runs, derod push --resume goes on with them",
     Kind.BRANCHES: "derod info reads branch files, derod branch --resume goes on with them",
+    Kind.SWEEP: "derod info reads sweeps, derod plot -k phase draws them",
+    Kind.SWEEP_PLAN: "derod sweep carries it out",
 }
 """What reads a file of that kind."""
 
@@ -53,7 +59,7 @@ def kind_of(path: str | os.PathLike[str]) -> Kind:
         return _kind_of_hdf5(os.fsdecode(os.fspath(path)))
     if head.startswith(RERUN):
         return Kind.RERUN
-    return Kind.SCENE if _is_scene(head) else Kind.OTHER
+    return _kind_of_toml(head)
 
 
 def _kind_of_hdf5(path: str) -> Kind:
@@ -62,6 +68,7 @@ def _kind_of_hdf5(path: str) -> Kind:
     from derod.files import checks
     from derod.files.gate import open_gate
     from derod.record.head import format_of
+    from derod.sweeps.files import MARK as SWEEP_MARK
 
     if is_branch_file(path):
         return Kind.BRANCHES
@@ -70,6 +77,8 @@ def _kind_of_hdf5(path: str) -> Kind:
     except RecordError:
         return Kind.OTHER
     try:
+        if SWEEP_MARK in file.attrs:
+            return Kind.SWEEP
         with checks.judged(path):
             gate.allow(0)
             format_of(path, file)
@@ -80,14 +89,16 @@ def _kind_of_hdf5(path: str) -> Kind:
     return Kind.RUN
 
 
-def _is_scene(head: bytes) -> bool:
-    from derod.scene.reading import TABLES
+def _kind_of_toml(head: bytes) -> Kind:
+    from derod.scene.reading import TABLES as SCENE_TABLES
 
     try:
         data = tomllib.loads(head.decode("utf-8-sig"))
     except (ValueError, RecursionError):
-        return False
-    return bool(TABLES.keys() & data.keys())
+        return Kind.OTHER
+    if "keys" in data and "scene" in data:
+        return Kind.SWEEP_PLAN
+    return Kind.SCENE if SCENE_TABLES.keys() & data.keys() else Kind.OTHER
 
 
 def expect(path: str | os.PathLike[str], wanted: Collection[Kind], what: str = "") -> None:
