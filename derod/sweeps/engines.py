@@ -10,7 +10,7 @@ from __future__ import annotations
 import logging
 import os
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Generator, Iterable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from importlib.util import find_spec
 from typing import Any
@@ -19,10 +19,12 @@ import numpy as np
 
 from derod.errors import DerodError
 from derod.needs import MissingError, need
+from derod.pushing import interrupts
 from derod.sweeps.points import FAILED, KILLED, Job, Result
 from derod.sweeps.table import PUSHED
 
 Work = Callable[[Job, int, Mapping[str, Any]], Result]
+Results = Generator[Result, None, None]
 Task = tuple[int, Mapping[str, Any]]
 DEATHS = 2
 """Of workers, after which a point is set aside."""
@@ -40,7 +42,7 @@ class EngineError(DerodError):
     """Nobody is there to push the points."""
 
 
-def serial(work: Work, job: Job, tasks: Iterable[Task]) -> Iterator[Result]:
+def serial(work: Work, job: Job, tasks: Iterable[Task]) -> Results:
     """Push the points in this process, one after another."""
     for point, changes in tasks:
         yield work(job, point, changes)
@@ -54,7 +56,7 @@ def parallel(
     workers: int,
     scheduler: str | None = None,
     say: Callable[[str], None] = lambda line: None,
-) -> Iterator[Result]:
+) -> Results:
     """Push the points on ``workers`` processes here, or on the cluster of a Dask ``scheduler``'s address.
 
     A point whose worker dies is pushed again, ``DEATHS`` deaths set it aside (a scheduler of another's
@@ -194,17 +196,31 @@ def _client(workers: int, scheduler: str | None) -> Iterator[Any]:
                     threads_per_worker=1,
                     processes=True,
                     dashboard_address=None,
+                    preload="derod.sweeps.worker",
                     silence_logs=logging.CRITICAL,
                 )
             )
-            yield stack.enter_context(distributed.Client(cluster))
+            client = stack.enter_context(distributed.Client(cluster))
+            with _undisturbed():
+                yield client
             return
         try:
             client = stack.enter_context(distributed.Client(scheduler, timeout=10.0))
             client.wait_for_workers(1, timeout=PATIENCE)
         except (OSError, ValueError, TimeoutError) as error:
             raise EngineError(f"--scheduler = {scheduler}: is not reached: {error}") from error
-        yield client
+        with _undisturbed():
+            yield client
+
+
+@contextmanager
+def _undisturbed() -> Iterator[None]:
+    """Let no second signal disturb the end of workers when a first one has ended the sweep."""
+    try:
+        yield
+    except (KeyboardInterrupt, GeneratorExit):
+        interrupts.acknowledge()
+        raise
 
 
 @contextmanager

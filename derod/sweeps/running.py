@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
+from contextlib import closing
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from derod.errors import RecordError
 from derod.files import outputs
+from derod.pushing import interrupts
 from derod.pushing.frames import Outcome
 from derod.sweeps import engines
 from derod.sweeps.engines import Task, Work
@@ -113,13 +115,19 @@ def _go_on(journal: Journal, target: Path, means: Means, watch: Watch) -> Tally:
         take(journal.read(point))
     watch(tally)
     try:
-        for result in _results(plan, journal, means):
-            journal.put(result)
-            take(result)
-            tally.done += 1
-            tally.seconds += result.seconds
-            watch(tally)
-    except BaseException:
+        with closing(_results(plan, journal, means)) as results:
+            for result in results:
+                journal.put(result)
+                take(result)
+                tally.done += 1
+                tally.seconds += result.seconds
+                watch(tally)
+    except BaseException as error:
+        if isinstance(error, KeyboardInterrupt):
+            interrupts.acknowledge()
+            means.say(
+                f"{len(journal)} of {plan.count} points are kept; derod sweep --resume {target} goes on"
+            )
         _write(journal, target, failed, counts, quiet=True)
         raise
     _write(journal, target, failed, counts, quiet=False)
@@ -128,7 +136,7 @@ def _go_on(journal: Journal, target: Path, means: Means, watch: Watch) -> Tally:
     return tally
 
 
-def _results(plan: Plan, journal: Journal, means: Means) -> Iterator[Result]:
+def _results(plan: Plan, journal: Journal, means: Means) -> Generator[Result, None, None]:
     """The results of all points that are not finished, as they come."""
     job = Job(plan.scene.text, plan.scene.path, plan.rows, means.runs)
     waiting: Iterator[Task] = (
@@ -136,9 +144,8 @@ def _results(plan: Plan, journal: Journal, means: Means) -> Iterator[Result]:
         for point, values in enumerate(plan.points())
         if point not in journal
     )
-    if len(journal) == plan.count:
-        return iter(())
-    if means.scheduler is None and means.workers == 1:
+    alone = means.scheduler is None and means.workers == 1
+    if alone or len(journal) == plan.count:
         return engines.serial(means.work, job, waiting)
     return engines.parallel(
         means.work, job, waiting, workers=means.workers, scheduler=means.scheduler, say=means.say

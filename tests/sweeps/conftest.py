@@ -29,6 +29,6 @@ def plan() -> Make:
 @pytest.fixture
 def log(tmp_path: Path) -> str:
     """A folder where points note that they were begun."""
-    folder = tmp_path / "log"
+    folder = tmp_path / "begun"
     folder.mkdir()
     return str(folder)

@@ -63,6 +63,13 @@ def tried(folder: str) -> list[int]:
     return [int(line) for line in log.read_text().split()] if log.exists() else []
 
 
+def processes(folder: str) -> list[int]:
+    """The processes that began points, the last one last."""
+    return [int(line) for line in (Path(folder) / "processes").read_text().split()]
+
+
 def _note(job: Job, point: int) -> None:
     with (Path(str(job.runs)) / "log").open("a") as log:
         log.write(f"{point}\n")
+    with (Path(str(job.runs)) / "processes").open("a") as log:
+        log.write(f"{os.getpid()}\n")
