@@ -26,6 +26,7 @@ COMMANDS: tuple[str, ...] = (
     "derod.cli.branches:add_branch_parser",
     "derod.cli.branches:add_compare_parser",
     "derod.cli.sweeps:add_sweep_parser",
+    "derod.cli.fits:add_fit_parser",
     "derod.views.stream.cli:add_view_parser",
     "derod.views.plots.cli:add_plot_parser",
     "derod.views.plots.cli:add_movie_parser",

@@ -30,10 +30,23 @@ DEATHS = 2
 """Of workers, after which a point is set aside."""
 LOSSES = 5
 """Of a point's result on its way, after which it counts as failed."""
+LOOK_AT_WORKERS = 16
+"""Points handed out between two looks at who is there, while all are."""
 PATIENCE = 60.0  # s, without any worker
 SETTINGS = {
     "distributed.scheduler.allowed-failures": 0,  # we count, point by point
     "distributed.worker.daemon": True,
+    # what watches the workers many times a second would cost a fifth of the pushes' own time
+    "distributed.worker.profile.enabled": False,
+    "distributed.scheduler.work-stealing": False,  # nothing waits that could be stolen
+    "distributed.scheduler.active-memory-manager.start": False,
+    "distributed.client.scheduler-info-interval": "60s",
+    "distributed.worker.memory.monitor-interval": "1s",
+    "distributed.admin.system-monitor.interval": "5s",
+    "distributed.admin.system-monitor.gil.enabled": False,
+    "distributed.admin.system-monitor.disk": False,
+    "distributed.admin.tick.interval": "1s",
+    "distributed.admin.tick.limit": "60s",
     "distributed.admin.log-format": "%(message)s",
 }
 
@@ -85,7 +98,7 @@ class _Hand:
 
         left, again = iter(tasks), list[Task]()
         coming = as_completed()
-        slots = self.slots()
+        slots = most = self.slots()
         while True:
             while len(self.under_way) < slots:
                 task = again.pop() if again else next(left, None)
@@ -101,8 +114,9 @@ class _Hand:
                 again.append(task)
             else:
                 yield result
-            if result is None or not self.foreign or self.tries % 8 == 0:
-                slots = self.slots()
+            if result is None or slots < most or self.tries % LOOK_AT_WORKERS == 0:
+                slots = self.slots()  # one may have died, or come back
+                most = max(most, slots)
 
     def submit(self, task: Task) -> Any:
         """Hand out one point."""

@@ -44,6 +44,8 @@ MARK = "derod_sweep"
 PLAN, OUTCOMES, ROWS = "sweep", "outcomes", "rows"
 ROOM = 2**16
 """Bytes kept free for HDF5's own blocks when the file is closed."""
+BLOCK = 4096
+"""Rows that are written, or read, at once."""
 SET_ASIDE = "not_reached"
 """The outcome of points that were not pushed when the file was written."""
 
@@ -90,26 +92,51 @@ def _fill(
 ) -> bool:
     """Write every point in turn; return whether all were pushed."""
     first, whole = 0, True
+    lines, kept = _Blocks(outcomes), _Blocks(rows)
     for point, values in enumerate(points):
         result = read(point)
         whole = whole and result is not None
         if result is None:
             result = Result(point, SET_ASIDE, "", np.zeros(0, PUSHED))
-        line = np.zeros(1, outcomes.dtype)
+        line = np.zeros(1, lines.dtype)
         fill_keys(line, plan.keys, values)
         line["point"], line["first_row"], line["rows"] = point, first, len(result.rows)
         line["outcome"] = result.outcome.encode()
         line["message"] = encoded(result.message, MESSAGE_BYTES)
-        outcomes[point : point + 1] = line
-        if len(result.rows):
-            kept = np.zeros(len(result.rows), rows.dtype)
-            kept["point"] = point
-            fill_keys(kept, plan.keys, values)
-            for name in PUSHED.names or ():
-                kept[name] = result.rows[name]
-            rows[first : first + len(kept)] = kept
-        first += len(result.rows)
+        lines.add(line)
+        own = np.zeros(len(result.rows), kept.dtype)
+        own["point"] = point
+        fill_keys(own, plan.keys, values)
+        for name in PUSHED.names or ():
+            own[name] = result.rows[name]
+        kept.add(own)
+        first += len(own)
+    lines.write()
+    kept.write()
     return whole
+
+
+class _Blocks:
+    """Writes a table some thousand rows at a time: a call costs h5py more than many rows do."""
+
+    def __init__(self, dataset: h5py.Dataset) -> None:
+        self.dataset, self.dtype = dataset, dataset.dtype
+        self._waiting: list[np.ndarray] = []
+        self._count = self._done = 0
+
+    def add(self, rows: np.ndarray) -> None:
+        """Take in rows (k,)."""
+        self._waiting.append(rows)
+        self._count += len(rows)
+        if self._count >= BLOCK:
+            self.write()
+
+    def write(self) -> None:
+        """Write what is waiting."""
+        if self._count:
+            end = self._done + self._count
+            self.dataset[self._done : end] = np.concatenate(self._waiting)
+            self._done, self._count, self._waiting = end, 0, []
 
 
 def _contiguous(file: h5py.File, name: str, count: int, dtype: np.dtype) -> h5py.Dataset:
@@ -145,7 +172,7 @@ def _abandon(file: h5py.File) -> None:
         return
 
 
-def check_of(dataset: Any, step: int = 8192) -> int:
+def check_of(dataset: Any, step: int = BLOCK) -> int:
     """The checksum of a table, read in parts."""
 
     def parts() -> Iterator[bytes]:

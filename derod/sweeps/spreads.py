@@ -84,10 +84,10 @@ def rule_of(key: str, file: str | None = None) -> Key:
     rule = ALL_KEYS.get(table, {}).get(name)
     if rule is None or table == "steps":
         allowed = "a key of a scene with its table, such as drop.capillary_force or rod.length"
-        raise SceneError("is no key of a scene that a sweep can vary", file=file, key=str(key),
+        raise SceneError("is no key of a scene that can vary", file=file, key=str(key),
                          allowed=allowed)  # fmt: skip
     if rule.many == "list":
-        raise SceneError("holds a list, which a sweep cannot vary", file=file, key=key,
+        raise SceneError("holds a list, which cannot vary", file=file, key=key,
                          allowed="to give it once for all points, under [set]")  # fmt: skip
     return rule
 
