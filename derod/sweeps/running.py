@@ -13,8 +13,8 @@ from derod.files import outputs
 from derod.pushing import interrupts
 from derod.pushing.frames import Outcome
 from derod.sweeps import engines
-from derod.sweeps.engines import Task, Work
 from derod.sweeps.files import write_sweep
+from derod.sweeps.hand import Task, Work
 from derod.sweeps.journal import Journal, folder_of
 from derod.sweeps.plan import Plan
 from derod.sweeps.points import AGAIN, Job, Result, run_point
@@ -32,6 +32,8 @@ class Means:
     """The address of a Dask scheduler, for a cluster that is there."""
     runs: str | None = None
     """A folder for the full runs, if they are kept."""
+    batch: float = 0.5
+    """Seconds of work that a worker gets at once, and that its death, or a kill, may cost; 0 is one point."""
     work: Work = run_point
     say: Callable[[str], None] = lambda line: None
     """For remarks: a worker that died, files that were damaged."""
@@ -148,7 +150,14 @@ def _results(plan: Plan, journal: Journal, means: Means) -> Generator[Result, No
     if alone or len(journal) == plan.count:
         return engines.serial(means.work, job, waiting)
     return engines.parallel(
-        means.work, job, waiting, workers=means.workers, scheduler=means.scheduler, say=means.say
+        means.work,
+        job,
+        waiting,
+        count=plan.count - len(journal),
+        workers=means.workers,
+        scheduler=means.scheduler,
+        batch=means.batch,
+        say=means.say,
     )
 
 

@@ -17,8 +17,10 @@ import pytest
 
 from derod.errors import InUseError, RecordError
 from derod.files.outputs import RefusedError
+from derod.sweeps import engines
 from derod.sweeps import journal as journals
 from derod.sweeps.files import Sweep
+from derod.sweeps.hand import Hand
 from derod.sweeps.journal import Journal, folder_of
 from derod.sweeps.running import Means, Tally, run_sweep
 from tests.sweeps import work
@@ -31,7 +33,7 @@ def test_two_processes_and_one_write_the_same_bytes(plan: Make, log: str, tmp_pa
     made = plan(6, rows="landings")
     one, two = tmp_path / "one.h5", tmp_path / "two.h5"
     run_sweep(made, one, Means())
-    tally = run_sweep(made, two, Means(workers=2, work=work.pushing, runs=log))
+    tally = run_sweep(made, two, Means(workers=2, work=work.pushing, batch=0.0, runs=log))
     assert one.read_bytes() == two.read_bytes()
     assert sorted(work.tried(log)) == list(range(6)) and tally.outcomes == {"completed": 6}
     sweep = Sweep(two)
@@ -44,23 +46,36 @@ def test_a_poisonous_point_is_set_aside_and_a_resume_tries_it_again(
     plan: Make, log: str, tmp_path: Path
 ) -> None:
     path, said = tmp_path / "s.h5", list[str]()
-    means = Means(workers=2, work=work.poisonous, runs=log, say=said.append)
+    means = Means(workers=2, work=work.poisonous, batch=0.0, runs=log, say=said.append)
     tally = run_sweep(plan(8), path, means)
     assert tally.outcomes == {"completed": 7, "killed_worker": 1}
     assert Counter(work.tried(log)) == {3: 2} | dict.fromkeys([0, 1, 2, 4, 5, 6, 7], 1)
     (failure,) = Sweep(path).failures()
     assert failure["point"] == 3 and failure["message"] == b"the worker that pushed it died 2 times"
     assert said == ["point 3: its worker died: once more"]
-    tally = run_sweep(None, path, Means(work=work.quick, runs=log))
+    tally = run_sweep(None, path, Means(work=work.quick, batch=0.0, runs=log))
     assert tally.before == 7 and tally.done == 1 and not Sweep(path).failures().size
     assert Counter(work.tried(log))[3] == 3
 
 
+def test_a_poisonous_point_of_a_batch_is_found(log: str) -> None:
+    said = list[str]()
+    with engines._client(1, None) as client:
+        hand = Hand(client, work.poisonous, _job(log), foreign=False, batch=0.05, say=said.append)
+        results = list(hand.out(((p, {"drop.capillary_force": 1.0}) for p in range(24)), 24))
+    assert sorted(result.point for result in results) == list(range(24))
+    assert [result.point for result in results if result.outcome != "completed"] == [3]
+    assert said[-1] == "point 3: its worker died: once more"
+    assert any("3" in line.split(":")[0].split(", ") for line in said[:-1])  # its batch
+
+
 def test_workers_that_die_are_replaced(plan: Make, log: str, tmp_path: Path) -> None:
     path = tmp_path / "s.h5"
-    tally = run_sweep(plan(8), path, Means(workers=2, work=work.once_deadly, runs=log))
+    tally = run_sweep(plan(8), path, Means(workers=2, work=work.once_deadly, batch=0.0, runs=log))
     assert tally.outcomes == {"completed": 8}
-    assert Counter(work.tried(log)) == {2: 2, 5: 2} | dict.fromkeys([0, 1, 3, 4, 6, 7], 1)
+    tries = Counter(work.tried(log))
+    assert tries[2] >= 2 and tries[5] >= 2
+    assert tries.total() <= 12  # a result may die with its worker on its way here
 
 
 def test_a_worker_killed_from_outside_costs_one_point_once_more(
@@ -74,14 +89,16 @@ def test_a_worker_killed_from_outside_costs_one_point_once_more(
             killed.set()
 
     path = tmp_path / "s.h5"
-    tally = run_sweep(plan(12), path, Means(workers=2, work=work.quick, runs=log), watch=watch)
+    tally = run_sweep(
+        plan(12), path, Means(workers=2, work=work.quick, batch=0.0, runs=log), watch=watch
+    )
     assert killed.is_set() and tally.outcomes == {"completed": 12}
     assert len(work.tried(log)) <= 13 and set(work.tried(log)) == set(range(12))
 
 
 def test_a_bug_in_one_point_is_its_outcome(plan: Make, log: str, tmp_path: Path) -> None:
     path = tmp_path / "s.h5"
-    tally = run_sweep(plan(4), path, Means(workers=2, work=work.broken, runs=log))
+    tally = run_sweep(plan(4), path, Means(workers=2, work=work.broken, batch=0.0, runs=log))
     assert tally.outcomes == {"completed": 3, "error": 1}
     assert Sweep(path).failures()["message"][0] == b"RuntimeError: a bug"
 
@@ -94,7 +111,7 @@ from derod.sweeps.running import Means, run_sweep
 from tests.sweeps import work
 text, path, log = sys.argv[1:]
 plan = None if text == "-" else plan_of_text(Path(text).read_text(), "plan")
-run_sweep(plan, Path(path), Means(work=work.quick, runs=log))
+run_sweep(plan, Path(path), Means(work=work.quick, batch=0.0, runs=log))
 """
 
 
@@ -132,11 +149,11 @@ def test_ctrl_c_keeps_what_is_finished(plan: Make, log: str, tmp_path: Path) -> 
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        run_sweep(plan(8), path, Means(work=work.quick, runs=log), watch=watch)
+        run_sweep(plan(8), path, Means(work=work.quick, batch=0.0, runs=log), watch=watch)
     half = Sweep(path)
     assert not half.complete and list(half.outcomes["outcome"]).count(b"not_reached") == 3
     assert len(half.rows) == 5
-    tally = run_sweep(None, path, Means(work=work.quick, runs=log))
+    tally = run_sweep(None, path, Means(work=work.quick, batch=0.0, runs=log))
     assert (tally.before, tally.done) == (5, 3) and work.tried(log) == list(range(8))
     assert Sweep(path).complete and not folder_of(path).exists()
 
@@ -156,7 +173,7 @@ def test_a_scheduler_that_is_started_anew_gets_the_points_again(
 
     try:
         path = tmp_path / "s.h5"
-        means = Means(scheduler=f"tcp://127.0.0.1:{port}", work=work.quick, runs=log)
+        means = Means(scheduler=f"tcp://127.0.0.1:{port}", work=work.quick, batch=0.0, runs=log)
         tally = run_sweep(plan(8), path, means, watch=watch)
         assert len(cluster) == 4 and tally.outcomes == {"completed": 8}
         assert len(work.tried(log)) <= 9 and Sweep(path).complete
@@ -198,7 +215,7 @@ def test_a_full_disk_stops_the_sweep_and_keeps_what_is_finished(
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
         return put(self, data)
 
-    means = Means(work=work.quick, runs=log)
+    means = Means(work=work.quick, batch=0.0, runs=log)
     with monkeypatch.context() as patch:
         patch.setattr(Path, "write_bytes", write)
         with pytest.raises(RecordError, match="no space left on device; 3 of 8 points are kept"):
@@ -212,7 +229,7 @@ def test_no_room_for_the_table_keeps_the_journal(
     def full(*_: object) -> None:
         raise OSError(28, "No space left on device")
 
-    path, means = tmp_path / "s.h5", Means(work=work.quick, runs=log)
+    path, means = tmp_path / "s.h5", Means(work=work.quick, batch=0.0, runs=log)
     with monkeypatch.context() as patch:
         patch.setattr(os, "posix_fallocate", full)
         with pytest.raises(RecordError, match="cannot be written: no space left on device"):
@@ -230,7 +247,7 @@ def test_a_damaged_point_is_pushed_again(plan: Make, log: str, tmp_path: Path) -
     data = bytearray(victim.read_bytes())
     data[len(data) // 2] ^= 1
     victim.write_bytes(data)
-    tally = run_sweep(None, path, Means(work=work.quick, runs=log, say=said.append))
+    tally = run_sweep(None, path, Means(work=work.quick, batch=0.0, runs=log, say=said.append))
     assert tally.done == 1 and said == ["1 files of finished points are damaged: pushed again"]
 
 
@@ -258,7 +275,7 @@ def test_a_result_comes_back_from_its_file(plan: Make, log: str) -> None:
 
 def test_a_flipped_bit_in_the_file_is_found(plan: Make, log: str, tmp_path: Path) -> None:
     path = tmp_path / "s.h5"
-    run_sweep(plan(4), path, Means(work=work.quick, runs=log))
+    run_sweep(plan(4), path, Means(work=work.quick, batch=0.0, runs=log))
     whole = path.read_bytes()
     places = [whole.index(b"point 1"), whole.index(b'"design"'), whole.rindex(b"\x00\x00\x3e\x40")]
     for place in places:
