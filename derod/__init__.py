@@ -32,7 +32,10 @@ if TYPE_CHECKING:
     from derod.scene import load_scene as load_scene
     from derod.scene import parse_scene as parse_scene
     from derod.scene.building import Scene as Scene
+    from derod.sweeps.files import Sweep as Sweep
+    from derod.sweeps.files import open_sweep as open_sweep
     from derod.views.branch_faces import open_branches as open_branches
+    from derod.views.sweeping import sweep as sweep
 
 __version__ = "0.2.0"
 
@@ -47,14 +50,17 @@ _HOMES = {
     "RecordError": "derod.errors",
     "Scene": "derod.scene.building",
     "SceneError": "derod.errors",
+    "Sweep": "derod.sweeps.files",
     "branch": "derod.branch_api",
     "compare": "derod.branch_api",
     "extrapolate": "derod.record.extrapolate",
     "load_scene": "derod.scene",
     "open_branches": "derod.views.branch_faces",
     "open_run": "derod.record",
+    "open_sweep": "derod.sweeps.files",
     "parse_scene": "derod.scene",
     "push": "derod.api",
+    "sweep": "derod.views.sweeping",
 }
 
 

@@ -29,6 +29,8 @@ COMMANDS: tuple[str, ...] = (
     "derod.cli.modes:add_sensitivities_parser",
     "derod.cli.trace:add_trace_parser",
     "derod.cli.trace:add_explore_parser",
+    "derod.cli.sweeps:add_sweep_parser",
+    "derod.cli.fits:add_fit_parser",
     "derod.views.stream.cli:add_view_parser",
     "derod.views.plots.cli:add_plot_parser",
     "derod.views.plots.cli:add_movie_parser",

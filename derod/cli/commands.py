@@ -111,9 +111,13 @@ def info(args: argparse.Namespace) -> int:
     from derod.cli.summary import summary_lines
     from derod.record import open_run
 
-    kinds.expect(args.file, kinds.RESULTS | kinds.DIAGRAMS)
+    kinds.expect(args.file, kinds.TABLES | kinds.DIAGRAMS)
     if kinds.kind_of(args.file) is kinds.Kind.DIAGRAM:
         return _info_of_diagram(args)
+    if kinds.kind_of(args.file) is kinds.Kind.SWEEP:
+        from derod.cli.sweeps import show_info
+
+        return show_info(args)
     if kinds.kind_of(args.file) is kinds.Kind.BRANCHES:
         return _info_of_branches(args)
     with open_run(args.file, verify=args.verify) as run:

@@ -22,6 +22,8 @@ class Kind(Enum):
     BRANCHES = "a branch file (derod branch)"
     DIAGRAM = "a diagram file (derod trace, derod explore)"
     SCENE = "a scene (TOML)"
+    SWEEP = "a sweep (derod sweep)"
+    SWEEP_PLAN = "a sweep's plan (TOML)"
     RERUN = "a rerun recording (open it with: rerun FILE)"
     FOLDER = "a folder"
     OTHER = "something else"
@@ -30,12 +32,16 @@ class Kind(Enum):
 SCENES, RUNS, BRANCHES = {Kind.SCENE}, {Kind.RUN}, {Kind.BRANCHES}
 DIAGRAMS = {Kind.DIAGRAM}
 RESULTS = RUNS | BRANCHES
+SWEEPS = {Kind.SWEEP_PLAN}
+TABLES = RESULTS | {Kind.SWEEP}
 
 ELSEWHERE = {
     Kind.SCENE: "derod check reads scenes, derod push runs them",
     Kind.RUN: "derod info reads runs, derod push --resume goes on with them",
     Kind.DIAGRAM: "derod info and derod plot diagram read diagram files",
     Kind.BRANCHES: "derod info reads branch files, derod branch --resume goes on with them",
+    Kind.SWEEP: "derod info reads sweeps, derod plot -k phase draws them",
+    Kind.SWEEP_PLAN: "derod sweep carries it out",
 }
 """What reads a file of that kind."""
 
@@ -56,7 +62,7 @@ def kind_of(path: str | os.PathLike[str]) -> Kind:
         return _kind_of_hdf5(os.fsdecode(os.fspath(path)))
     if head.startswith(RERUN):
         return Kind.RERUN
-    return Kind.SCENE if _is_scene(head) else Kind.OTHER
+    return _kind_of_toml(head)
 
 
 def _kind_of_hdf5(path: str) -> Kind:
@@ -65,6 +71,7 @@ def _kind_of_hdf5(path: str) -> Kind:
     from derod.files import checks
     from derod.files.gate import open_gate
     from derod.record.head import format_of
+    from derod.sweeps.files import MARK as SWEEP_MARK
 
     if is_branch_file(path):
         return Kind.BRANCHES
@@ -77,6 +84,8 @@ def _kind_of_hdf5(path: str) -> Kind:
     except RecordError:
         return Kind.OTHER
     try:
+        if SWEEP_MARK in file.attrs:
+            return Kind.SWEEP
         with checks.judged(path):
             gate.allow(0)
             format_of(path, file)
@@ -87,14 +96,16 @@ def _kind_of_hdf5(path: str) -> Kind:
     return Kind.RUN
 
 
-def _is_scene(head: bytes) -> bool:
-    from derod.scene.reading import TABLES
+def _kind_of_toml(head: bytes) -> Kind:
+    from derod.scene.reading import TABLES as SCENE_TABLES
 
     try:
         data = tomllib.loads(head.decode("utf-8-sig"))
     except (ValueError, RecursionError):
-        return False
-    return bool(TABLES.keys() & data.keys())
+        return Kind.OTHER
+    if "keys" in data and "scene" in data:
+        return Kind.SWEEP_PLAN
+    return Kind.SCENE if SCENE_TABLES.keys() & data.keys() else Kind.OTHER
 
 
 def expect(path: str | os.PathLike[str], wanted: Collection[Kind], what: str = "") -> None:
