@@ -74,7 +74,7 @@ def begin(args: argparse.Namespace, kind: kinds.Kind, at: float | None) -> Start
 
     def follow(limits: Limits, name: str) -> Path:
         from derod.tracing.path import follow as follow_path
-        from derod.tracing.straight import StraightError, bucklings, buckled
+        from derod.tracing.straight import StraightError, buckled, bucklings
 
         found = bucklings(arc.system, args.mode)
         if len(found) < args.mode:

@@ -20,7 +20,7 @@ from derod.errors import SceneError
 from derod.fits.data import Data
 from derod.fits.model import Jacobian, Model, NoCurveError, differences
 from derod.scene import Scene
-from derod.scene.material import check_one_stiffness
+from derod.scene.directors import check_pushable
 from derod.sweeps.spreads import rule_of
 
 LARGEST_CONDITION = 1e3
@@ -92,7 +92,7 @@ def fit(
 
     begin = starting_values(scene, free)
     check_data(data, scene, free)
-    check_one_stiffness(scene)
+    check_pushable(scene)
     model = Model(scene, tuple(free), data)
     model(begin)  # raises here what is wrong with the scene itself
     scale = np.where(begin == 0.0, 1.0, begin)

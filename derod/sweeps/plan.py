@@ -33,7 +33,7 @@ from typing import Any
 
 from derod.errors import SceneError
 from derod.scene import Scene, parse_scene
-from derod.scene.material import check_one_stiffness
+from derod.scene.directors import check_pushable
 from derod.scene.plain import plain
 from derod.scenes import is_shipped, read_scene
 from derod.sweeps.sampling import GRID, Point, check_design, points_of
@@ -110,7 +110,7 @@ def make_plan(
     if rows == "landings" and not (scene.push.at or any(step.at for step in scene.steps)):
         raise SceneError("asks for landings, and the scene has none", file=file, key="table.rows",
                          value=rows, allowed="push.at in the scene, or under [set]")  # fmt: skip
-    check_one_stiffness(scene)
+    check_pushable(scene)
     return Plan(scene, spreads, design, count, seed, str(rows))
 
 

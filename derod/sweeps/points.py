@@ -18,7 +18,7 @@ from derod.pushing.frames import Ending, Outcome
 from derod.record import BaseRun, MemoryRun, RunWriter, open_run
 from derod.record.ending import ending_words
 from derod.scene import Scene, parse_scene
-from derod.scene.material import check_one_stiffness
+from derod.scene.directors import check_pushable
 from derod.scene.plan import check_plan
 from derod.sweeps.table import PUSHED, rows_of
 
@@ -67,7 +67,7 @@ def run_point(job: Job, point: int, changes: Mapping[str, Any]) -> Result:
     with _one_at_a_time:
         try:
             scene = scene_of(job.scene, job.path).replace(changes)
-            check_one_stiffness(scene)
+            check_pushable(scene)
             check_plan(scene)
         except SceneError as error:
             return Result(point, REFUSED, str(error), np.zeros(0, PUSHED))

@@ -27,7 +27,9 @@ CLOSE_ENERGY, CLOSE_TENSION = (
 SLACK = (
     1e-3  # of the capillary force: the least end tension that the straight rod is looked at under
 )
-BESIDE = 0.01  # D of the norm, likewise beyond its ends: another leap may begin nearer to a branch point
+BESIDE = (
+    0.01  # D of the norm, likewise beyond its ends: another leap may begin nearer to a branch point
+)
 NEAR = 0.3  # of a step beyond a segment's ends, where a path is still looked for
 UNTRIED, TRIED, KNOWN = "", "followed", "known"
 LOST, BEYOND = "no state found beside it", "beyond the limit of energy"

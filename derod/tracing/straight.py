@@ -130,9 +130,7 @@ def refined(system: System, high: tuple[float, int], low: tuple[float, int]) -> 
     return Buckling(tension, in_its_plane(system, modes), low[1] - high[1], state)
 
 
-def critical(
-    system: System, tension: float, *, above: bool
-) -> tuple[float, State, list[Vector]]:
+def critical(system: System, tension: float, *, above: bool) -> tuple[float, State, list[Vector]]:
     """Return the eigenvalue nearest to zero on its stable side (``above``) or the other; 0 where none is seen.
 
     With the straight state, and the pair of modes nearest to zero.
