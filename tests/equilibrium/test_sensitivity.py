@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import derod
+from derod.equilibrium.eigen import turns_freely
 from derod.equilibrium.loop import relax
 from derod.equilibrium.methods import make_relaxer
 from derod.equilibrium.sensitivity import Sensitivity, parameters_of, sensitivities
@@ -13,6 +14,7 @@ from derod.equilibrium.system import System
 from derod.pushing.controls import CONTROLS
 from derod.record.modes import state_of
 from derod.rod.state import State
+from derod.rod.unknowns import X_C
 from derod.scene import Scene
 from tests.scenes import coil
 
@@ -91,6 +93,19 @@ def differences(scene: Scene, state: State, name: str) -> dict[str, np.ndarray]:
     }
 
 
+def unturned(
+    wanted: dict[str, np.ndarray], mine: Sensitivity, state: State
+) -> dict[str, np.ndarray]:
+    """Differences turned about the axis to fit best: settled states may differ by a turn that is free."""
+    if not turns_freely(state):
+        return wanted
+    turn = {"q": np.zeros_like(state.q), "b": np.zeros_like(state.b)}
+    turn["q"][:, 0], turn["q"][:, 1] = -state.q[:, 1], state.q[:, 0]
+    turn["b"][X_C], turn["b"][X_C + 1] = -state.b[X_C + 1], state.b[X_C]
+    amount = np.sum((mine.q - wanted["q"]) * turn["q"]) / np.sum(turn["q"] ** 2)
+    return wanted | {key: wanted[key] + amount * turn[key] for key in turn}
+
+
 def check(
     scene: Scene, run: derod.BaseRun, names: tuple[str, ...] | None = None, i: int = -1
 ) -> None:
@@ -101,7 +116,7 @@ def check(
     assert tuple(found) == parameters_of(state)
     assert here.unstable_modes == 0
     for name in names or found:
-        wanted = differences(scene, state, name)
+        wanted = unturned(differences(scene, state, name), found[name], state)
         for key, exact in wanted.items():
             mine = np.asarray(getattr(found[name], key))
             scale = np.abs(exact).max()
