@@ -34,7 +34,7 @@ RESULTS = RUNS | BRANCHES
 ELSEWHERE = {
     Kind.SCENE: "derod check reads scenes, derod push runs them",
     Kind.RUN: "derod info reads runs, derod push --resume goes on with them",
-    Kind.DIAGRAM: "derod info and derod plot diagram read diagram files",
+    Kind.DIAGRAM: "derod info and derod plot read diagram files",
     Kind.BRANCHES: "derod info reads branch files, derod branch --resume goes on with them",
 }
 """What reads a file of that kind."""
