@@ -1,4 +1,4 @@
-"""``derod trace`` and ``derod explore`` as the command line offers them; their work is in ``tracing_work``."""
+"""``derod trace`` and ``derod explore`` as the command line offers them."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ def add_trace_parser(commands: Any) -> None:
     parser = commands.add_parser(
         "trace",
         help="follow equilibria, stable or not, through folds and bifurcations",
-        description="Follow a path of equilibria of the discrete rod by pseudo-arclength: from the straight rod of a scene, "
-        "where it buckles; from an increment of a run; or from a state of a branch file. Folds, branch points and joints "
-        "are located, and unstable modes counted at every point.",
+        description="Follow a path of equilibria of the discrete rod by pseudo-arclength: from the straight "
+        "rod of a scene, where it buckles; from an increment of a run; or from a state of a branch file. "
+        "Folds, branch points and joints are located, and unstable modes counted at every point.",
         epilog=MEANINGS,
     )
     parser.add_argument(
@@ -63,8 +63,8 @@ def add_explore_parser(commands: Any) -> None:
     parser = commands.add_parser(
         "explore",
         help="find all paths of equilibria of a scene within limits",
-        description="Start at the straight rod, switch at every bifurcation, keep each path once up to the symmetries of "
-        "the scene, and look for disconnected paths under a stronger capillary force.",
+        description="Start at the straight rod, switch at every bifurcation, keep each path once up to the "
+        "symmetries of the scene, and look for disconnected paths under a stronger capillary force.",
         epilog=MEANINGS,
     )
     parser.add_argument(

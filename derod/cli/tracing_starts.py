@@ -42,7 +42,8 @@ def arc_of(scene: Scene, control: str) -> Arc:
         )  # fmt: skip
     if scene.has_frames:
         raise SceneError(
-            "has a section with directions of its own; trace and explore follow isotropic, naturally straight rods",
+            "has a section with directions of its own; trace and explore follow "
+            "isotropic, naturally straight rods",
             file=scene.path,
         )
     from derod.equilibrium.system import System
@@ -60,7 +61,8 @@ def begin(args: argparse.Namespace, kind: kinds.Kind, at: float | None) -> Start
         return _from_branches(args, at)
     if at is not None or args.path is not None:
         raise exits.UsageError(
-            f"{args.file}: --at and --path are for run and branch files; a scene's paths start at the straight rod"
+            f"{args.file}: --at and --path are for run and branch files; "
+            "a scene's paths start at the straight rod"
         )
     if args.control not in ("end_shortening", "end_tension"):
         raise exits.UsageError(
@@ -101,7 +103,8 @@ def through(arc: Arc, state: State) -> Callable[[Limits, str], Path]:
         value = arc.control.value(state)
         if not limits.low <= value <= limits.high:
             raise exits.UsageError(
-                f"--to: the state to start from has {arc.control.name} = {value:.6g}; allowed: a range round it"
+                f"--to: the state to start from has {arc.control.name} = {value:.6g}; "
+                "allowed: a range round it"
             )
         path = both_ways(arc, state, limits, name)
         if path is None:

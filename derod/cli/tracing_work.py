@@ -188,7 +188,7 @@ def _tell_end(diagram: Diagram, output: str, *, quiet: bool) -> None:
 
     for line in diagram_lines(diagram):
         show(line)
-    say_done(f"next: derod info {shlex.quote(output)}, derod plot diagram {shlex.quote(output)}")
+    say_done(f"next: derod info {shlex.quote(output)}, derod plot {shlex.quote(output)}")
 
 
 def _teller(args: argparse.Namespace) -> Any:

@@ -1,9 +1,10 @@
 """The layout of a diagram file (HDF5): one group a path, everything needed to draw it and to go on from it.
 
-At the root the attributes ``format``, ``scene`` (its text), ``control``, ``command`` (what was asked for, JSON),
-``stages`` (of an exploration, done) and ``complete``; ``paths/NAME`` with ``table`` (a row a point: the columns of a run's table, then
-those below), the fields of a run's frames, and ``specials``. ``check`` is the checksum of a group, and at the root of all
-but the groups. Units are those of runs: D, K0/D^2, K0/D, radians.
+At the root the attributes ``format``, ``scene`` (its text), ``control``, ``command`` (what was asked for,
+JSON), ``stages`` (of an exploration, done) and ``complete``; ``paths/NAME`` with ``table`` (a row a point:
+the columns of a run's table, then those below), the fields of a run's frames, and ``specials``. ``check``
+is the checksum of a group, and at the root of all but the groups. Units are those of runs: D, K0/D^2,
+K0/D, radians.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""A diagram's paths made ready to go on with: points settled states again, special points looked for again."""
+"""A diagram's paths made ready to go on with: points made again, special points looked for again."""
 
 from __future__ import annotations
 

@@ -4,10 +4,10 @@ The arclength of a path in a control p is
 
     ds^2 = int |dx|^2 dS + ds_A^2 + ds_B^2 + |dx_C|^2 + (w dp)^2
 
-with nodes weighed by their dual lengths: it does not depend on the mesh. w makes the control's usual step as long as
-0.02 pi D. A step predicts to second order and corrects with Newton's method on the residual and the
-plane across the tangent. It is taken again, shorter, where the corrections leave the region that the step
-itself spans, where the path has turned by more than TURNED, or where Newton's method is slow.
+with nodes weighed by their dual lengths: it does not depend on the mesh. w makes the control's usual step
+as long as 0.02 pi D. A step predicts to second order and corrects with Newton's method on the residual and
+the plane across the tangent. It is taken again, shorter, where the corrections leave the region that the
+step itself spans, where the path has turned by more than TURNED, or where Newton's method is slow.
 """
 
 from __future__ import annotations
@@ -91,7 +91,8 @@ class Arc:
     def correct(
         self, guess: State, direction: Vector, rate: float, size: float, offset: float = 0.0
     ) -> tuple[State, int] | None:
-        """Settle ``guess`` in the plane across (direction, rate), ``offset`` behind it; None where that fails.
+        """Settle ``guess`` in the plane across (direction, rate), ``offset`` behind it; None where that
+        fails.
 
         ``direction`` is weighed by the metric; ``rate`` is that of the control. ``size`` is the
         region: half of it is what corrections may add up to.
@@ -193,8 +194,8 @@ class Arc:
     ) -> Point | None:
         """Return the point a step of arclength ``size`` on (or back, where negative); None where it fails.
 
-        ``region`` (arclength) is how large a step its errors are measured by, at least: beside a branch point rounding
-        moves a state more than the shortest steps do.
+        ``region`` (arclength) is how large a step its errors are measured by, at least: beside a branch
+        point rounding moves a state more than the shortest steps do.
         """
         back = 0.0 if before is None else before.arc - point.arc
         orders = (back, 0.0) if back != 0.0 and abs(size / back) <= 2.5 else (0.0,)
@@ -233,7 +234,8 @@ class Arc:
     def bow(self, point: Point, found: Point, size: float) -> float:
         """Return how far the chord of a step is from the mean of its ends' tangents, over the step.
 
-        On one smooth path that is of second order in the turn of the tangent; on another sheet it is not small.
+        On one smooth path that is of second order in the turn of the tangent; on another sheet it is not
+        small.
         """
         chord = self.difference(point.state, found.state)
         left = chord - (point.tangent + found.tangent).times(0.5 * size)
@@ -245,7 +247,8 @@ class Arc:
 def turned_to(old: State, point: Point) -> State:
     """Return a state turned about the axis to where it is nearest to a point, if turning is free there.
 
-    Else a prediction of second order, which holds the turn between two states against the tangent, would amplify it.
+    Else a prediction of second order, which holds the turn between two states against the tangent, would
+    amplify it.
     """
     state = point.state
     if not turns_freely(state):

@@ -4,13 +4,14 @@ r"""The Hessian with one border row more, regular at folds, factored once a step
 
 K is the bordered band of ``rod.unknowns``, c the control's column, v the metric times a direction in the
 space of displacements, g the control's part of the arclength's row. K is singular at a fold, H is not. J,
-which is not symmetric, is solved with two solutions of H: with H (x1, s1) = (r, n) and H (x2, s2) = (c, -g),
+which is not symmetric, is solved with two solutions of H: with H (x1, s1) = (r, n) and H (x2, s2) = (c,
+-g),
 
     dp = -s1 / s2,    dz = x1 + dp x2
 
-(block elimination after Govaerts, *Numerical Methods for Bifurcations*, 2000, section 3). s2 is -det J / det H: it
-vanishes only where another branch crosses. By Haynsworth's law K has the negative eigenvalues of H, less one
-where the entry s s of the inverse of H is negative: the count costs nothing more.
+(block elimination after Govaerts, *Numerical Methods for Bifurcations*, 2000, section 3). s2 is -det J /
+det H: it vanishes only where another branch crosses. By Haynsworth's law K has the negative eigenvalues of
+H, less one where the entry s s of the inverse of H is negative: the count costs nothing more.
 """
 
 from __future__ import annotations

@@ -2,8 +2,9 @@
 
     K u + (constraints) = mu M u
 
-on the inverse that is at hand, with Rayleigh and Ritz's step in the metric M of ``equilibrium.stability.inertia``. The turn about
-the clamp axis, neutral on every state, is projected out; sliding is pinned.
+on the inverse that is at hand, with Rayleigh and Ritz's step in the metric M of
+``equilibrium.stability.inertia``. The turn about the clamp axis, neutral on every state, is projected out;
+sliding is pinned.
 """
 
 from __future__ import annotations

@@ -1,7 +1,8 @@
-"""All paths of a scene within limits: from the straight rod, switching at every bifurcation, each path once.
+"""All paths of a scene within limits: from the straight rod, switching at every bifurcation, each path
+once.
 
-Paths that do not hang together with the straight rod are looked for under a stronger capillary force: what buckles there is
-followed to an end-shortening, and the force is lowered to the scene's.
+Paths that do not hang together with the straight rod are looked for under a stronger capillary force: what
+buckles there is followed to an end-shortening, and the force is lowered to the scene's.
 """
 
 from __future__ import annotations
@@ -120,7 +121,9 @@ class Exploration:
             state = landed(self.arc, between(self.arc, a, b, crossing(a, b, at)), at)
             lowered = None if state is None else both_ways(
                 lowering, state,
-                replace(bounds.limits, low=force, high=1.001 * bounds.strong * force, energy_hat=float("inf")),
+                replace(
+                    bounds.limits, low=force, high=1.001 * bounds.strong * force, energy_hat=math.inf
+                ),
             )  # fmt: skip
             if lowered is None:
                 continue
@@ -135,7 +138,9 @@ class Exploration:
     def add_through(self, state: State) -> None:
         """Follow the path through a settled state both ways, unless it is known."""
         point = start_point(self.arc, state)
-        if point is None or self.known(point) is not None:
+        if point is None or point.here.energy_hat > self.bounds.limits.energy_hat:
+            return
+        if self.known(point) is not None:
             return
         path = both_ways(self.arc, state, self.bounds.limits, self.name())
         if path is not None:

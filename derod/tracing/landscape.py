@@ -29,7 +29,7 @@ class Pass:
 
 
 def states_at(arc: Arc, paths: list[Path], value: float) -> list[Sheet]:
-    """Return all states at a value of the control, each once up to the symmetries, the lowest energy first."""
+    """Return the states at a value of the control, each once up to the symmetries, by energy."""
     found = [sheet for path in paths for sheet in sheets(arc, path, value)]
     found.sort(key=lambda sheet: sheet.here.energy)
     out: list[Sheet] = []

@@ -1,4 +1,4 @@
-"""A path from its first point to its end: steps as long as its curvature allows, and what lies between them."""
+"""A path from its first point to its end: steps as its curvature allows, and what lies between them."""
 
 from __future__ import annotations
 
@@ -86,6 +86,8 @@ def follow(
         joint = next((special for special in turns if special.kind == JOINT), None)
         for special in turns:  # the control is monotone between neighbours
             if path.points[-1].arc < special.point.arc < there.arc:
+                # one eigenvalue is zero there: rounding would decide the count
+                special.point.here.unstable_modes = min(here.count, there.count)
                 path.points.append(special.point)
             if special is joint:
                 break

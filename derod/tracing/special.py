@@ -4,10 +4,10 @@ r"""Folds, branch points and joints between two points of a path, located.
     branch point  the count changes and the control goes on            mu = 0, the critical eigenvalue
     joint         the control turns and the count does not change      dp/ds = 0
 
-A joint is a pitchfork met from the side of its branches: behind it the path is its own mirror image. dp/ds and
-mu are smooth in s and change their sign: a secant that keeps its bracket (Anderson and Bjorck, 1973) finds the place s*. The
-control there is read off the nearest point by its own rate, quadratically off at a fold, so that errors
-fall like the square of the last step.
+A joint is a pitchfork met from the side of its branches: behind it the path is its own mirror image. dp/ds
+and mu are smooth in s and change their sign: a secant that keeps its bracket (Anderson and Bjorck, 1973)
+finds the place s*. The control there is read off the nearest point by its own rate, quadratically off at a
+fold, so that errors fall like the square of the last step.
 """
 
 from __future__ import annotations

@@ -99,7 +99,8 @@ def crossing(a: Point, b: Point, value: float) -> float:
 
 
 def with_multipliers(system: System, state: State) -> None:
-    """Give a state whose shape alone is known the tensions and menisci's forces that balance it best, in place.
+    """Give a state whose shape alone is known the tensions and menisci's forces that balance it best, in
+    place.
 
     A shift that outweighs the Hessian makes its solution that of least squares for the multipliers.
     """

@@ -1,9 +1,9 @@
 r"""The straight rod: its states under end tensions, where they buckle, and the first point beyond.
 
-An inextensible rod is straight at delta = 0 under any tension T, so that the trivial path is one in T: states of
-a rod whose end slides under the dead load T. Where the count changes the rod buckles; the critical eigenvalue is
-nearly linear in T, and a secant finds its zero. In space the modes of an isotropic rod come in pairs, turned by a
-quarter about the axis: the one in the y-z plane is taken.
+An inextensible rod is straight at delta = 0 under any tension T, so that the trivial path is one in T:
+states of a rod whose end slides under the dead load T. Where the count changes the rod buckles; the
+critical eigenvalue is nearly linear in T, and a secant finds its zero. In space the modes of an isotropic
+rod come in pairs, turned by a quarter about the axis: the one in the y-z plane is taken.
 """
 
 from __future__ import annotations
@@ -69,8 +69,8 @@ def straight_state(system: System, tension: float) -> State:
 def bucklings(system: System, most: int, least: float | None = None) -> list[Buckling]:
     """Return the first ``most`` buckling points of the straight rod, the tension falling from stability.
 
-    No tension below ``least`` (K/D^2) is looked at; by default that is 4 times Euler's load of the whole rod per
-    mode wanted, below zero.
+    No tension below ``least`` (K/D^2) is looked at; by default that is 4 times Euler's load of the whole
+    rod per mode wanted, below zero.
     """
     physics = system.physics
     euler = 4 * math.pi**2 / physics.length**2
@@ -131,7 +131,8 @@ def refined(system: System, high: tuple[float, int], low: tuple[float, int]) -> 
 
 
 def critical(system: System, tension: float, *, above: bool) -> tuple[float, State, list[Vector]]:
-    """Return the eigenvalue nearest to zero on its stable side (``above``) or the other; 0 where none is seen.
+    """Return the eigenvalue nearest to zero on its stable side (``above``) or the other; 0 where none is
+    seen.
 
     With the straight state, and the pair of modes nearest to zero.
     """
@@ -157,7 +158,7 @@ def in_its_plane(system: System, modes: list[Vector]) -> Vector:
 
 
 def buckled(arc: Arc, buckling: Buckling, side: float = 1.0) -> Point | None:
-    """Return the first point of the path that leaves the straight rod along its mode; None if none is found."""
+    """Return the first point of the path that leaves the straight rod along its mode, or None."""
     system, control = arc.system, arc.control
     d = system.dimension
     base = buckling.state

@@ -1,8 +1,9 @@
 r"""Onto the branches that meet at a branch point, and off the straight rod.
 
-At a branch point the null mode phi leaves the path; a state on the other branch is sought in the plane at the
-distance eps along phi, made perpendicular to the path's own tangent. At a joint the mode is the tangent itself, and
-the crossing path's direction comes from the Hessian with the mode's row: [[K, M phi], [phi^T M, 0]] (z', s) = (c, 0).
+At a branch point the null mode phi leaves the path; a state on the other branch is sought in the plane at
+the distance eps along phi, made perpendicular to the path's own tangent. At a joint the mode is the
+tangent itself, and the crossing path's direction comes from the Hessian with the mode's row: [[K, M phi],
+[phi^T M, 0]] (z', s) = (c, 0).
 """
 
 from __future__ import annotations

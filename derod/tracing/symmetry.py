@@ -1,8 +1,8 @@
 """Images of a state under the symmetries of its scene, the distance of two states, and duplicates.
 
-A rod between clamps of one axis may be turned about that axis (unless the drop has a weight along -y), flipped about a line
-across it, which runs the rod from its other end, and mirrored at a plane through the axis where no end rotation is
-reversed by that.
+A rod between clamps of one axis may be turned about that axis (unless the drop has a weight along -y),
+flipped about a line across it, which runs the rod from its other end, and mirrored at a plane through the
+axis where no end rotation is reversed by that.
 """
 
 from __future__ import annotations
@@ -39,7 +39,8 @@ def turns_freely(state: State) -> bool:
 def distance(state: State, other: State, weight: np.ndarray) -> float:
     """Return the least distance (D, root mean square) of a state from the images of another.
 
-    ``weight`` has one entry a node, their dual lengths. The turn about the axis is the best one where turning is free.
+    ``weight`` has one entry a node, their dual lengths. The turn about the axis is the best one where
+    turning is free.
     """
     own = next(images(state))
     share = weight / weight.sum()
@@ -67,8 +68,8 @@ def node_weights(rest: np.ndarray) -> np.ndarray:
 def character(state: State, weight: np.ndarray) -> str:
     """Return which symmetries a state has, in words: "planar, flip-even" and the like.
 
-    Flip-even: it is its own image when run from the other end, after a half turn across the axis. Point-symmetric: after the
-    reflection at its middle.
+    Flip-even: it is its own image when run from the other end, after a half turn across the axis.
+    Point-symmetric: after the reflection at its middle.
     """
     x = state.positions
     share = weight / weight.sum()

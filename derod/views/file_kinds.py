@@ -38,7 +38,7 @@ TABLES = RESULTS | {Kind.SWEEP}
 ELSEWHERE = {
     Kind.SCENE: "derod check reads scenes, derod push runs them",
     Kind.RUN: "derod info reads runs, derod push --resume goes on with them",
-    Kind.DIAGRAM: "derod info and derod plot diagram read diagram files",
+    Kind.DIAGRAM: "derod info and derod plot read diagram files",
     Kind.BRANCHES: "derod info reads branch files, derod branch --resume goes on with them",
     Kind.SWEEP: "derod info reads sweeps, derod plot -k phase draws them",
     Kind.SWEEP_PLAN: "derod sweep carries it out",

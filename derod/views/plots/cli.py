@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from derod.exits import DONE, UsageError, naming_options
+from derod.views.file_kinds import Kind, expect, kind_of
 from derod.views.plots.kinds import KINDS, need_matplotlib, read_places
 
 
@@ -15,7 +16,7 @@ def add_plot_parser(commands: Any) -> None:
     parser = commands.add_parser(
         "plot",
         help="draw a picture of runs and branches",
-        description="Draw a picture of run files and branch files. Kinds:\n"
+        description="Draw a picture of run files and branch files, or of one diagram file. Kinds:\n"
         + "\n".join(f"  {name:11} {kind.shows} ({kind.wants})" for name, kind in KINDS.items()),
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
@@ -56,6 +57,8 @@ def run_plot(args: argparse.Namespace) -> int:
     from derod.views.plots import ENDINGS, plot
     from derod.views.plots.reading import open_files
 
+    if args.kind == "diagram" or kind_of(args.files[0]) is Kind.DIAGRAM:
+        return plot_diagram(args)
     if args.kind not in KINDS:
         raise UsageError(f"--kind = {args.kind}: allowed: {', '.join(KINDS)}")
     first = Path(args.files[0])
@@ -85,6 +88,36 @@ def run_plot(args: argparse.Namespace) -> int:
         )
     if output is not None:
         print(output)
+    return DONE
+
+
+def plot_diagram(args: argparse.Namespace) -> int:
+    """Draw a diagram file."""
+    from derod.views.export.output import check_target
+    from derod.views.plots.options import ENDINGS, read_options
+
+    if args.kind not in ("path", "diagram") or len(args.files) > 1:
+        raise UsageError("a diagram file is drawn by itself, and as --kind diagram")
+    place = Path(args.files[0])
+    expect(place, {Kind.DIAGRAM}, "--kind diagram")
+    output = args.output or (None if args.show else f"{place.with_suffix('')}-diagram.png")
+    if output is not None:
+        check_target(Path(output), args.force, ENDINGS)
+    with naming_options("style", "dpi"):
+        _, sheet = read_options({"style": args.style, "dpi": args.dpi})
+    need_matplotlib()
+    from derod.diagram.reading import read_diagram
+    from derod.views.plots.diagram import draw
+    from derod.views.plots.picture import make_picture, show_window, write_picture
+    from derod.views.plots.style import THEMES
+
+    diagram, theme = read_diagram(place), THEMES[sheet.style]
+    picture = make_picture(lambda figure: draw(figure, diagram, theme), theme, args.show)
+    if output is not None:
+        write_picture(picture, Path(output), theme, sheet.dpi, args.force)
+        print(output)
+    if args.show:
+        show_window(picture)
     return DONE
 
 
