@@ -14,6 +14,7 @@ MOST_CHANGE = (
     0.6  # of an edge's length by which it may be predicted to change: strain, and turn in radians
 )
 LEAST_GAP = 0.2  # of the wall's gap that a prediction must leave
+TELLING = 1e-7  # D, the least that the third order must add to the second
 
 
 @kernel
@@ -25,17 +26,25 @@ def extrapolate(
 
     To first, second or third ``order``: the second takes in the old state, a step ``back`` away, the third
     its slope too (Hermite's cubic), both turned about the clamp axis onto the present one where the turn is
-    neutral: how far the coil has turned between them is no property of the branch. ``follow_wall`` puts
+    neutral: how far the coil has turned between them is no property of the branch. The third order repeats
+    five times over what a tolerance left in two states, so it must tell more than that. ``follow_wall`` puts
     nodes back that ran into the wall's curve. A prediction is sound that stays inside the wall and the rod,
     moves no node too far, and keeps every edge near its length and direction.
     """
     d = len(physics.axis)
     cosine, sine = turn_onto(physics, old_q, q)
+    added = 0.0
     for i in range(q.shape[0]):
         for k in range(len(physics.row)):
             moved = turned(old_q[i], k, 0, cosine, sine) - q[i, k]
             veered = turned(old_slope[i], k, 0, cosine, sine)
-            new_q[i, k] = q[i, k] + change(h, slope[i, k], back, moved, veered, order)
+            step = change(h, slope[i, k], back, moved, veered, order)
+            new_q[i, k] = q[i, k] + step
+            if order == 3 and k < d:
+                lower = change(h, slope[i, k], back, moved, veered, 2)
+                added = max(added, abs(step - lower))
+    if order == 3 and added < TELLING:
+        return False
     for k in range(b.size):
         moved = turned(old_b, k, X_C, cosine, sine) - b[k]
         veered = turned(old_slope_b, k, X_C, cosine, sine)

@@ -136,7 +136,11 @@ class GrowingFile:
 
     def _commit(self, frames: int, events: int) -> None:
         """Let the operating system have everything, then the counter."""
-        self._file.flush()
+        if frames != self.frames:
+            for column in (*self._values.values(), self._step, self._time):
+                column.flush()
+        if events != self.events:
+            self._events.flush()
         self._slots.reverse()
         self._slots[0] = committed_digest(frames, events)
         self._committed_check.write(self._slots)
