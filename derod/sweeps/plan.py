@@ -12,9 +12,11 @@ A sweep file::
     "drop.capillary_force" = {from = 10, to = 40, count = 40}
     "rod.length" = {from = 8, to = 14, count = 40}
 
+    keys = "uncertain"            # instead, before the first table: all values of [material] with +-
+
     [design]                      # derod.sweeps.sampling; a grid where left out
-    kind = "grid"                 # grid, list, latin-hypercube, sobol
-    points = 128                  # of the last two
+    kind = "grid"                 # grid, list, latin-hypercube, sobol, differences
+    points = 128                  # of latin-hypercube and sobol
     seed = 0
 
     [table]
@@ -36,10 +38,13 @@ from derod.scene import Scene, parse_scene
 from derod.scene.directors import check_pushable
 from derod.scene.plain import plain
 from derod.scenes import is_shipped, read_scene
-from derod.sweeps.sampling import GRID, Point, check_design, points_of
+from derod.sweeps.sampling import GRID, SAMPLED, Point, check_design, points_of
 from derod.sweeps.spreads import Spread, read_spread, rule_of
+from derod.sweeps.uncertainty import uncertain_keys
 
 ROWS = ("last", "landings", "all")
+UNCERTAIN = "uncertain"
+"""Instead of keys: all values of [material] that have an uncertainty."""
 TABLES = ("scene", "set", "keys", "design", "table")
 MOST_BYTES = 2**24
 """Of a sweep file."""
@@ -88,7 +93,7 @@ class Plan:
 
 def make_plan(
     scene: Scene,
-    keys: Mapping[str, Any],
+    keys: Mapping[str, Any] | str,
     *,
     design: str = GRID,
     points: object = None,
@@ -97,6 +102,8 @@ def make_plan(
     file: str | None = None,
 ) -> Plan:
     """A checked plan. ``keys``: what varies, as ``derod.sweeps.spreads`` reads it. Raises SceneError."""
+    if keys == UNCERTAIN:
+        keys = uncertain_keys(scene, file)
     if not isinstance(keys, Mapping):
         raise SceneError("is no table of keys", file=file, key="keys", value=keys)
     spreads = tuple(read_spread(str(key), written, file) for key, written in keys.items())
@@ -130,7 +137,8 @@ def read_plan(path: str | os.PathLike[str]) -> Plan:
     for key, value in tables.items():
         if key not in TABLES:
             raise SceneError("is unknown", file=name, key=key, allowed=", ".join(TABLES))
-        if key != "scene" and not isinstance(value, Mapping):
+        plain_keys = key == "keys" and value == UNCERTAIN
+        if key != "scene" and not plain_keys and not isinstance(value, Mapping):
             raise SceneError("is not a table", file=name, key=key, value=value, allowed=f"[{key}]")
     for key in ("scene", "keys"):
         if key not in tables:
@@ -158,8 +166,7 @@ def plan_of_text(text: str, file: str) -> Plan:
         count, seed, rows = data["count"], data["seed"], data["rows"]
     except (KeyError, TypeError, ValueError) as error:
         raise SceneError("does not say what was swept", file=file) from error
-    sampled = not all(read_spread(key, value, file).values for key, value in keys.items())
-    points = count if sampled or design not in (GRID, "list") else None
+    points = count if design in SAMPLED else None
     return make_plan(parse_scene(scene, path=file), keys, design=design, points=points, seed=seed,
                      rows=rows, file=file)  # fmt: skip
 

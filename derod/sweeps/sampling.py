@@ -2,11 +2,12 @@
 
 ``grid``: every combination, the last key fastest. ``list``: the first values together, then the second, ...
 ``latin-hypercube`` and ``sobol``: ``scipy.stats.qmc`` (McKay, Beckman, Conover 1979; Sobol' 1967, scrambled
-by Owen's method), seeded.
+by Owen's method), seeded. ``differences``: the means, then each key a standard deviation up, and down.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from itertools import product
 from math import prod
@@ -15,7 +16,8 @@ from derod.errors import SceneError
 from derod.sweeps.spreads import FORMS, Spread, Value, settled
 
 GRID, LIST, LATIN, SOBOL = "grid", "list", "latin-hypercube", "sobol"
-DESIGNS = (GRID, LIST, LATIN, SOBOL)
+DIFFERENCES = "differences"
+DESIGNS = (GRID, LIST, LATIN, SOBOL, DIFFERENCES)
 SAMPLED = (LATIN, SOBOL)
 MOST_POINTS = 1_000_000
 Point = tuple[Value, ...]
@@ -35,7 +37,10 @@ def check_design(
         if design in SAMPLED and not spread.is_distribution:
             raise SceneError(f"is a list, of which {design} cannot draw", file=file, key=spread.key,
                              allowed="{from, to} or {normal = [mean, deviation]}")  # fmt: skip
-        if design not in SAMPLED and not spread.values:
+        if design == DIFFERENCES and not math.isfinite(spread.mean):
+            raise SceneError("has no standard deviation", file=file, key=spread.key,
+                             allowed="{normal = [mean, deviation]}, or '5.6 +- 0.5 um'")  # fmt: skip
+        if design in (GRID, LIST) and not spread.values:
             raise SceneError(f"has no values for a {design}", file=file, key=spread.key,
                              allowed="a list, or {from, to, count}")  # fmt: skip
     if design in SAMPLED:
@@ -49,6 +54,8 @@ def check_design(
         raise SceneError(f"is given, and the {design} has its own number of points", file=file,
                          key="design.points", value=points,
                          allowed=f"with {' or '.join(SAMPLED)}")  # fmt: skip
+    if design == DIFFERENCES:
+        return 1 + 2 * len(spreads)
     counts = [len(spread.values) for spread in spreads]
     if design == LIST and len(set(counts)) > 1:
         told = ", ".join(f"{s.key}: {n}" for s, n in zip(spreads, counts, strict=True))
@@ -67,7 +74,17 @@ def points_of(design: str, spreads: Sequence[Spread], count: int, seed: int) -> 
         return product(*(spread.values for spread in spreads))
     if design == LIST:
         return zip(*(spread.values for spread in spreads), strict=True)
+    if design == DIFFERENCES:
+        return _differences(spreads)
     return _drawn(design, spreads, count, seed)
+
+
+def _differences(spreads: Sequence[Spread]) -> Iterator[Point]:
+    means = [spread.mean for spread in spreads]
+    yield tuple(means)
+    for k, spread in enumerate(spreads):
+        for sign in (1.0, -1.0):
+            yield (*means[:k], spread.mean + sign * spread.deviation, *means[k + 1 :])
 
 
 def _drawn(design: str, spreads: Sequence[Spread], count: int, seed: int) -> Iterator[Point]:

@@ -25,7 +25,7 @@ class SweepOptions(TypedDict, total=False):
     """The options of ``sweep`` by their names; every one may be left out."""
 
     design: str
-    """"grid" (the default), "list", "latin-hypercube" or "sobol"."""
+    """"grid" (the default), "list", "latin-hypercube", "sobol" or "differences"."""
     points: int
     """How many, of the last two."""
     seed: int
@@ -48,7 +48,7 @@ class SweepOptions(TypedDict, total=False):
 
 def sweep(
     scene: Scene | str | os.PathLike[str] | None,
-    keys: Mapping[str, Any] | None = None,
+    keys: Mapping[str, Any] | str | None = None,
     path: str | os.PathLike[str] | None = None,
     **options: Unpack[SweepOptions],
 ) -> Sweep:
@@ -60,11 +60,11 @@ def sweep(
         derod.sweep("quick", forces, "forces.h5", progress=True).to_pandas()
 
     ``scene``: a scene, a file, a shipped one's name; or a sweep file (TOML) where ``keys`` is None.
-    ``keys``: what varies, each a list, an array, a range or a distribution (``derod.sweeps.spreads``). With
-    ``path`` finished points are kept as they come, and ``resume=True`` (``scene`` may be None) goes on
-    after a kill. In a script, call it under ``if __name__ == "__main__"``: worker processes import the
-    script. Raises SceneError, RecordError, ``derod.needs.MissingError``; points that fail are in
-    ``sweep.failures()``.
+    ``keys``: what varies ("uncertain": all values of [material] with +-), each a list, an array, a range or
+    a distribution (``derod.sweeps.spreads``). With ``path`` finished points are kept as they come, and
+    ``resume=True`` (``scene`` may be None) goes on after a kill. In a script, call it under ``if __name__
+    == "__main__"``: worker processes import the script. Raises SceneError, RecordError,
+    ``derod.needs.MissingError``; points that fail are in ``sweep.failures()``.
     """
     allowed = sorted(SweepOptions.__annotations__)
     for name in options:

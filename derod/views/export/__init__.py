@@ -23,21 +23,24 @@ ENDINGS = ("csv", "pvd", "h5md")
 
 
 def export(file: Any, output: str | os.PathLike[str], *, force: bool = False) -> list[Path]:
-    """Write an open run or branch file as ``output``: .csv, or (runs) .pvd, .h5md.
+    """Write an open run, branch file or sweep as ``output``: .csv, or (runs) .pvd, .h5md.
 
     Returns the files written. What is there is only replaced with ``force``. Raises UsageError.
     """
     path = Path(output)
-    is_branches = hasattr(file, "parameters")
+    is_branches, is_sweep = hasattr(file, "parameters"), hasattr(file, "outcomes")
     check_target(path, force, ENDINGS)
     if is_branches and path.suffix.lower() != ".csv":
         raise UsageError(
             f"{file.path}: is a branch file; allowed for {path}: a run file (derod push)"
         )
+    if is_sweep and path.suffix.lower() != ".csv":
+        raise UsageError(f"{file.path}: is a sweep; allowed for {path}: a run file (derod push)")
     if path.suffix.lower() == ".csv":
-        from derod.views.export.table import branches_text, run_text
+        from derod.views.export.table import branches_text, run_text, sweep_text
 
-        text = branches_text(file) if is_branches else run_text(file)
+        write = branches_text if is_branches else sweep_text if is_sweep else run_text
+        text = write(file)
         write_file(path, text.encode("utf-8"), force)
         return [path]
     if not len(file):

@@ -16,7 +16,7 @@ def add_export_parser(commands: Any) -> None:
         description="Write a run file or a branch file as a CSV table, or a run as a time series of VTK "
         "files (ParaView): OUT.pvd, and a folder OUT beside it; or as an H5MD trajectory (MDAnalysis).",
     )
-    parser.add_argument("file", metavar="FILE", help="run or branch file (HDF5)")
+    parser.add_argument("file", metavar="FILE", help="run file, branch file or sweep")
     parser.add_argument(
         "-o",
         "--output",
@@ -34,7 +34,7 @@ def run_export(args: argparse.Namespace) -> int:
     from derod.views.plots.reading import open_files
 
     with open_files([args.file]) as files:
-        (file,) = (*files.runs, *files.branches)
+        (file,) = (*files.runs, *files.branches, *files.sweeps)
         written = export(file, args.output, force=args.force)
     more = len(written) - 1
     print(written[0] if not more else f"{written[0]}, and {more} files in {written[1].parent}")

@@ -34,6 +34,17 @@ def branches_text(file: Any) -> str:
     return written(["branch", "special", *(titled(n, POINT_UNITS) for n in names)], lines)
 
 
+def sweep_text(sweep: Any) -> str:
+    """The rows of a sweep, one line each: its point, its keys, its columns, its outcome."""
+    names = sweep.rows.dtype.names
+    outcome = [told.decode() for told in sweep.outcomes["outcome"]]
+    header = [*(titled(name, ROW_UNITS | {"out_of_plane": "D"}) for name in names), "outcome"]
+    return written(
+        header,
+        ([*(plain(row[name]) for name in names), outcome[row["point"]]] for row in sweep.rows),
+    )
+
+
 def titled(name: str, units: dict[str, str]) -> str:
     """A column's title, with its unit: "end_tension [K0 D-2]"; counts and flags have none."""
     return f"{name} [{units[name]}]" if name in units else name
@@ -41,6 +52,8 @@ def titled(name: str, units: dict[str, str]) -> str:
 
 def plain(value: Any) -> str:
     """A number as text that reads back as the same number; flags are 0 and 1."""
+    if isinstance(value, bytes):
+        return value.decode("utf-8", "replace")
     if isinstance(value, np.bool_):
         return str(int(value))
     return repr(value.item())

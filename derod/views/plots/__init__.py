@@ -27,12 +27,13 @@ __all__ = ["ENDINGS", "KINDS", "PlotOptions", "plot"]
 
 
 def plot(kind: str, files: Sequence[Any], **options: Unpack[PlotOptions]) -> Picture:
-    """Draw a picture of open runs and branch files and return it (a matplotlib figure).
+    """Draw a picture of open runs, sweeps and branch files and return it (a matplotlib figure).
 
-    ``at``: end-shortenings, D, such as ``["0.5 pi", 2.0]`` or ``"0.5 pi, 2"``. ``paths``: names of branches,
-    all if empty. ``every``: every n-th increment, ``modes``: how many of them, where a kind counts these.
-    With ``output`` the picture is written; a file that is there is only replaced with ``force``. With
-    ``show`` a window is opened. ``style``: "light" or "dark"; ``dpi``: of pixel pictures. Raises UsageError.
+    ``at``: end-shortenings, D, such as ``["0.5 pi", 2.0]`` or ``"0.5 pi, 2"``. ``paths``: names of
+    branches, all if empty. ``keys``: the axes of a sweep's picture. ``every``: every n-th increment,
+    ``modes``: how many of them, where a kind counts these. With ``output`` the picture is written; a file
+    that is there is only replaced with ``force``. With ``show`` a window is opened. ``style``: "light" or
+    "dark"; ``dpi``: of pixel pictures. Raises UsageError.
     """
     if kind not in KINDS:
         raise UsageError(f"kind = {kind!r}: allowed: {', '.join(KINDS)}")
@@ -41,9 +42,10 @@ def plot(kind: str, files: Sequence[Any], **options: Unpack[PlotOptions]) -> Pic
         from derod.views.export.output import check_target
 
         check_target(sheet.output, sheet.force, ENDINGS, "output")
-    runs = [file for file in files if not hasattr(file, "parameters")]
+    sweeps = [file for file in files if hasattr(file, "outcomes")]
+    runs = [f for f in files if not hasattr(f, "parameters") and not hasattr(f, "outcomes")]
     branches = [file for file in files if hasattr(file, "parameters")]
-    check_files(kind, runs, branches, shown)
+    check_files(kind, runs, branches, shown, sweeps)
     need_matplotlib()
     from derod.views.plots.picture import make_picture, show_window, write_picture
     from derod.views.plots.style import THEMES
@@ -51,7 +53,9 @@ def plot(kind: str, files: Sequence[Any], **options: Unpack[PlotOptions]) -> Pic
     module = import_module(KINDS[kind].module)
     theme = THEMES[sheet.style]
     picture = make_picture(
-        lambda figure: module.draw(figure, runs, branches, theme, shown), theme, sheet.show
+        lambda figure: module.draw(figure, runs or sweeps, branches, theme, shown),
+        theme,
+        sheet.show,
     )
     if sheet.output is not None:
         write_picture(picture, sheet.output, theme, sheet.dpi, sheet.force)

@@ -20,7 +20,7 @@ def add_plot_parser(commands: Any) -> None:
         + "\n".join(f"  {name:11} {kind.shows} ({kind.wants})" for name, kind in KINDS.items()),
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("files", nargs="+", metavar="FILE", help="run or branch file (HDF5)")
+    parser.add_argument("files", nargs="+", metavar="FILE", help="run file, branch file or sweep")
     parser.add_argument("-k", "--kind", default="path", metavar="KIND", help="which picture (path)")
     parser.add_argument(
         "--at",
@@ -30,6 +30,9 @@ def add_plot_parser(commands: Any) -> None:
     )
     parser.add_argument(
         "--paths", default="", metavar="A,B", help="branches to draw, e.g. Ax,3D (all)"
+    )
+    parser.add_argument(
+        "--keys", default="", metavar="X,Y", help="phase: the axes, e.g. rod.length,end_shortening"
     )
     parser.add_argument(
         "--every",
@@ -70,14 +73,15 @@ def run_plot(args: argparse.Namespace) -> int:
     places = read_places(args.at, "--at") if args.at.strip() else ()
     need_matplotlib()
     with (
-        naming_options("at", "paths", "every", "modes", "style", "dpi"),
+        naming_options("at", "paths", "keys", "every", "modes", "style", "dpi"),
         open_files(args.files) as files,
     ):
         plot(
             args.kind,
-            [*files.runs, *files.branches],
+            [*files.runs, *files.branches, *files.sweeps],
             at=places,
             paths=[name.strip() for name in args.paths.split(",") if name.strip()],
+            keys=[name.strip() for name in args.keys.split(",") if name.strip()],
             every=args.every,
             modes=args.modes,
             output=output,

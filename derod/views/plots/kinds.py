@@ -25,6 +25,7 @@ class Kind:
     runs: tuple[int, float]
     branches: tuple[int, float]
     wants: str
+    sweeps: tuple[int, float] = (0, 0)
 
 
 KINDS = {
@@ -55,6 +56,14 @@ KINDS = {
         "derod.views.plots.compare", "errors of a push, held against the branches",
         (1, math.inf), (1, 1), "run files and one branch file",
     ),
+    "phase": Kind(
+        "derod.views.plots.phase", "state, coils and tension over two keys of a sweep",
+        (0, 0), (0, math.inf), "one sweep, and branch files", (1, 1),
+    ),
+    "bands": Kind(
+        "derod.views.plots.bands", "t against delta with the bands of uncertain values",
+        (0, 0), (0, 0), "one sweep of samples or differences", (1, 1),
+    ),
 }  # fmt: skip
 """Every kind of picture by its name."""
 
@@ -67,6 +76,7 @@ class Options:
     paths: tuple[str, ...] = ()
     every: int = 1
     modes: int = 3
+    keys: tuple[str, ...] = ()
 
 
 def read_places(at: Sequence[str | float] | str, key: str = "at") -> tuple[float, ...]:
@@ -102,12 +112,19 @@ def need_matplotlib() -> None:
     need("matplotlib", "a picture")
 
 
-def check_files(kind: str, runs: Sequence[Any], branches: Sequence[Any], options: Options) -> None:
+def check_files(
+    kind: str,
+    runs: Sequence[Any],
+    branches: Sequence[Any],
+    options: Options,
+    sweeps: Sequence[Any] = (),
+) -> None:
     """Raise UsageError where the files cannot give this kind of picture, or have no such state."""
     wanted = KINDS[kind]
     sorts = (
         (runs, wanted.runs, "a run file", "derod push"),
         (branches, wanted.branches, "a branch file", "derod branch"),
+        (sweeps, wanted.sweeps, "a sweep", "derod sweep"),
     )
     for files, (_, most), sort, _ in sorts:
         if len(files) > most:
@@ -118,7 +135,9 @@ def check_files(kind: str, runs: Sequence[Any], branches: Sequence[Any], options
     for files, (least, _), sort, command in sorts:
         if len(files) < least:
             raise UsageError(f"{kind}: {sort} ({command}) is missing; allowed: {wanted.wants}")
-    if not runs and not branches:
+    if options.keys and not sweeps:
+        raise UsageError(f"keys = {', '.join(options.keys)}: names keys, and no sweep is given")
+    if not runs and not branches and not sweeps:
         raise UsageError(f"{kind}: a file is missing; allowed: {wanted.wants}")
     for run in runs:
         if not len(run):

@@ -22,6 +22,8 @@ class PlotOptions(TypedDict, total=False):
     """End-shortenings, D, such as ``["0.5 pi", 2.0]`` or ``"0.5 pi, 2"``."""
     paths: Sequence[str]
     """Names of branches, all if empty."""
+    keys: Sequence[str]
+    """``phase``: two columns of a sweep, its keys where left out."""
     every: int
     """``compare`` and ``eigenvalues``: every n-th increment."""
     modes: int
@@ -61,6 +63,7 @@ def read_options(given: Mapping[str, Any]) -> tuple[Options, Sheet]:
         tuple(given.get("paths", ())),
         given.get("every", Options.every),
         given.get("modes", Options.modes),
+        tuple(given.get("keys", ())),
     )
     sheet = Sheet(
         None if output is None else Path(output),

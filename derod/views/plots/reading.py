@@ -24,22 +24,25 @@ class Files:
 
     runs: list[Any] = field(default_factory=list)
     branches: list[Any] = field(default_factory=list)
+    sweeps: list[Any] = field(default_factory=list)
 
     def __enter__(self) -> Files:
         return self
 
     def __exit__(self, *_: object) -> None:
-        for file in (*self.runs, *self.branches):
+        for file in (*self.runs, *self.branches, *self.sweeps):
             file.close()
 
 
 def open_files(paths: Iterable[str]) -> Files:
-    """Open run and branch files, told apart by what they are. Raises derod.RecordError."""
+    """Open run files, branch files and sweeps, told apart by what they are. Raises derod.RecordError."""
     files = Files()
     for path in paths:
-        kinds.expect(path, kinds.RESULTS)
+        kinds.expect(path, kinds.TABLES)
         if kinds.kind_of(path) is kinds.Kind.BRANCHES:
             files.branches.append(derod.open_branches(path))
+        elif kinds.kind_of(path) is kinds.Kind.SWEEP:
+            files.sweeps.append(derod.open_sweep(path))
         else:
             files.runs.append(derod.open_run(path))
     return files
