@@ -118,8 +118,10 @@ def special_errors(path: Path, branch) -> list[tuple[str, float, float]]:
         mine = [s for s in path.specials if s.kind in wanted]
         near = min(
             mine,
-            key=lambda s: abs(s.value / place - 1)
-            + 0.01 * abs(s.point.here.tension / one["end_tension"] - 1),
+            key=lambda s: (
+                abs(s.value / place - 1)
+                + 0.01 * abs(s.point.here.tension / one["end_tension"] - 1)
+            ),
             default=None,
         )  # fmt: skip
         if near is not None and abs(near.value / place - 1) < 5e-3:

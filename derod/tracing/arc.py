@@ -148,6 +148,7 @@ class Arc:
         last = self.system.dimension - 1
         if not state.physics.slides:
             slope_q[-1, last] = self.control.moves_end() * rate
+        slope_b = slope.border[: state.b.size].copy()
         value = self.control.value(state)
         target = value + h * rate
         if back != 0.0:
@@ -157,7 +158,8 @@ class Arc:
         for follow_wall in (False, True):
             if extrapolate(
                 state.physics, self.system.room.kin, state.q, state.b, slope_q,
-                slope.border[: state.b.size], h, old.q, old.b, back, follow_wall, new.q, new.b,
+                slope_b, h, old.q, old.b, slope_q, slope_b, back, 1 if back == 0.0 else 2,
+                follow_wall, new.q, new.b,
             ):  # fmt: skip
                 self.control.set(new, target)
                 new.read_end()

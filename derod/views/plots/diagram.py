@@ -42,8 +42,11 @@ def draw(figure: Figure, diagram: Diagram, theme: Theme) -> None:
             label = "" if path.character in named else path.character
             named.add(path.character)
             draw_path(axes, path, diagram.control, column, scale, color, label)
+        modes = np.concatenate([one.table["unstable_modes"] for one in diagram.paths.values()])
         values = np.concatenate([path.table[column] for path in diagram.paths.values()])
+        shown = values[modes == 0] if np.any(modes == 0) else values
         low, high = np.percentile(values, [1, 99])
+        low, high = min(low, shown.min()), max(high, shown.max())
         axes.set_ylim(low - 0.06 * (high - low), high + 0.06 * (high - low))
         axes.set_ylabel(name)
     unit = r"$\pi D$" if axis.in_pi else axis.unit
