@@ -52,7 +52,8 @@ def main() -> None:
     off = np.abs(np.array(offs))
     print(f"{args.draws} draws, {args.rows} rows, {NOISE:.0%} noise: {converged} converged")
     for k, key in enumerate(FREE):
-        print(f"  {key:22} within 2 standard errors in {np.count_nonzero(off[:, k] <= 2.0)} of {args.draws}; "
+        within = np.count_nonzero(off[:, k] <= 2.0)
+        print(f"  {key:22} within 2 standard errors in {within} of {args.draws}; "
               f"rms off by {np.sqrt(np.mean(off[:, k] ** 2)):.2f}, at most {off[:, k].max():.1f}")  # fmt: skip
     together = int(np.count_nonzero((off <= 2.0).all(axis=1)))
     print(f"  both at once in {together}")
