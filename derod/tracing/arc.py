@@ -154,12 +154,14 @@ class Arc:
         if back != 0.0:
             change = self.control.value(old) - value - back * rate
             target += (h / back) ** 2 * change
+            bend = h / back**2  # the second order, in the path's own metric: ``turned_to``
+            slope_q += bend * (old.q - state.q - back * slope_q)
+            slope_b += bend * (old.b - state.b - back * slope_b)
         new = state.copy()
         for follow_wall in (False, True):
             if extrapolate(
                 state.physics, self.system.room.kin, state.q, state.b, slope_q,
-                slope_b, h, old.q, old.b, slope_q, slope_b, back, 1 if back == 0.0 else 2,
-                follow_wall, new.q, new.b,
+                slope_b, h, state.q, state.b, slope_q, slope_b, 0.0, 1, follow_wall, new.q, new.b,
             ):  # fmt: skip
                 self.control.set(new, target)
                 new.read_end()
