@@ -52,9 +52,11 @@ def main() -> None:
     off = np.abs(np.array(offs))
     print(f"{args.draws} draws, {args.rows} rows, {NOISE:.0%} noise: {converged} converged")
     for k, key in enumerate(FREE):
-        within = np.count_nonzero(off[:, k] <= 2.0)
-        print(f"  {key:22} within 2 standard errors in {within} of {args.draws}; "
-              f"rms off by {np.sqrt(np.mean(off[:, k] ** 2)):.2f}, at most {off[:, k].max():.1f}")  # fmt: skip
+        within, rms = np.count_nonzero(off[:, k] <= 2.0), np.sqrt(np.mean(off[:, k] ** 2))
+        print(
+            f"  {key:22} within 2 standard errors in {within} of {args.draws}; "
+            f"rms off by {rms:.2f}, at most {off[:, k].max():.1f}"
+        )
     together = int(np.count_nonzero((off <= 2.0).all(axis=1)))
     print(f"  both at once in {together}")
     low, high = binom.interval(0.95, args.draws, 0.9545)
