@@ -25,8 +25,8 @@ from derod.views.plots.kinds import Options
 from derod.views.plots.style import Theme
 
 SHORTENING = "end_shortening"
-NEAR = 0.1
-"""Of the upright axis: how far the points of two branch files may lie apart and be joined."""
+NEAR = 0.3
+"""pi D: how far the points of two branch files may lie apart and be joined."""
 SYMBOLS = {
     "drop.capillary_force": r"capillary force  $f_\gamma$   ($K_0/D^2$)",
     "rod.length": r"length  $\ell$   ($D$)",
@@ -65,7 +65,7 @@ def draw(
         bar.set_label(label)
         bar.outline.set_visible(False)
     low, high = panels[0].get_ylim()
-    for kind, segments in lines(branches, across, up, NEAR * (high - low)):
+    for kind, segments in lines(branches, across, up, NEAR):
         for axes in panels:
             draw_line(axes, kind, segments, theme)
     panels[0].set_ylim(low, high)
