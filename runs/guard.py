@@ -113,6 +113,11 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--write", action="store_true", help=f"write {COMMITTED.name}")
     args = parser.parse_args()
+    if not (args.write or COMMITTED.exists()):
+        print(
+            f"runs/{COMMITTED.name}: there is none; allowed: --write first, at a commit to be held to"
+        )
+        return 2
     clock = time.perf_counter()
     unit, guarded = reference_work(), works()
     for work in (unit, *guarded.values()):
