@@ -3,7 +3,7 @@
 python runs/phase_diagram.py                 # out/f_gamma-delta.h5, branches, docs/images/phase.png
 python runs/phase_diagram.py -o my.png
 
-It runs ``derod sweep runs/f_gamma-delta.toml``, follows Ax, 3D and L2 at some capillary forces, and draws
+It runs ``derod sweep runs/sweeps/f_gamma-delta.toml``, follows Ax, 3D and L2 at some capillary forces, and draws
 both by ``derod plot -k phase``: the project's own commands. Two minutes of CPU time, most of it for the
 branches.
 """
@@ -36,7 +36,7 @@ def main() -> None:
     sweep = folder / "f_gamma-delta.h5"
     if not sweep.exists():
         subprocess.run(
-            [*DEROD, "sweep", str(HERE / "f_gamma-delta.toml"), "-o", str(sweep)], check=True
+            [*DEROD, "sweep", str(HERE / "sweeps/f_gamma-delta.toml"), "-o", str(sweep)], check=True
         )
     files = []
     for force in FORCES:
