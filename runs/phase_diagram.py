@@ -3,7 +3,7 @@
 python runs/phase_diagram.py                 # out/f_gamma-delta.h5, branches, docs/images/phase.png
 python runs/phase_diagram.py -o my.png
 
-It runs ``derod sweep runs/sweeps/f_gamma-delta.toml``, follows Ax, 3D and L2 at some capillary forces, and draws
+It runs ``derod sweep runs/sweeps/f_gamma-delta.toml``, follows Ax, 3D and L2 at some forces, and draws
 both by ``derod plot -k phase``: the project's own commands. Two minutes of CPU time, most of it for the
 branches.
 """
