@@ -38,7 +38,7 @@ def main() -> None:
     empty = make_data(places, np.zeros(args.rows))
     chance = np.random.default_rng(args.seed)
     truths = qmc.scale(qmc.LatinHypercube(2, rng=args.seed).random(args.draws), LOW, HIGH)
-    offs, times, pushes, converged = [], [], [], 0
+    offs, times, pushes, converged, warned = [], [], [], 0, []
     for truth in truths:
         force = Model(scene, FREE, empty)(truth)
         error = NOISE * np.abs(force)
@@ -48,17 +48,22 @@ def main() -> None:
         times.append(time.process_time() - began)
         pushes.append(found.pushes)
         converged += found.converged
+        warned.append(bool(found.warnings))
         offs.append((found.values - truth) / found.errors)
     off = np.abs(np.array(offs))
     print(f"{args.draws} draws, {args.rows} rows, {NOISE:.0%} noise: {converged} converged")
     for k, key in enumerate(FREE):
-        within, rms = np.count_nonzero(off[:, k] <= 2.0), np.sqrt(np.mean(off[:, k] ** 2))
+        within = np.count_nonzero(off[:, k] <= 2.0)
+        rms = np.sqrt(np.mean(off[:, k] ** 2))
         print(
             f"  {key:22} within 2 standard errors in {within} of {args.draws}; "
-            f"rms off by {rms:.2f}, at most {off[:, k].max():.1f}"
+            f"median off by {np.median(off[:, k]):.2f}, rms {rms:.2f}, at most {off[:, k].max():.1f}"
         )
     together = int(np.count_nonzero((off <= 2.0).all(axis=1)))
     print(f"  both at once in {together}")
+    astray = (off > 5.0).any(axis=1)
+    told = np.count_nonzero(astray & np.array(warned))
+    print(f"  {np.count_nonzero(astray)} off by more than 5, in another minimum; warned of: {told}")
     low, high = binom.interval(0.95, args.draws, 0.9545)
     print(f"  right errors would give {0.9545 * args.draws:.1f} each, {low:.0f} to {high:.0f}")
     print(
