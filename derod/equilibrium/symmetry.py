@@ -12,6 +12,7 @@ it turns it into minus itself; under the mirror that is: in the plane, and out o
 
 from __future__ import annotations
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -46,11 +47,12 @@ def reflection(angle: float, axial: float) -> np.ndarray:
 def asymmetric(physics: Any) -> bool:
     """Return whether the section's directions leave the rod no symmetry of its centre line alone.
 
-    They leave it where both clamps' directors lie along e_x or e_y, and the rod is naturally straight.
+    They leave it where both clamps' d_1 lie along e_x, or both along e_y, and the rod is naturally straight.
     """
     shaped = physics.natural_curvature_1, physics.natural_curvature_2, physics.natural_twist
-    angles = 2 * physics.director_start, 2 * physics.director_end
-    return any(shaped) or any(abs(np.sin(angle)) > OWN for angle in angles)
+    start, end = physics.director_start, physics.director_end
+    turned = max(abs(math.sin(2 * start)), abs(math.sin(end - start)))
+    return any(shaped) or turned > OWN
 
 
 def symmetries(state: State) -> tuple[Symmetry | None, Symmetry | None]:
@@ -73,7 +75,10 @@ def symmetries(state: State) -> tuple[Symmetry | None, Symmetry | None]:
         keeps_down = not heavy or abs(symmetry.matrix[1, 1] - 1) < OWN
         return bool(keeps_down and np.abs(image - points).max() < OWN * np.abs(zeta).max())
 
-    twist = state.physics.twisting * (state.physics.end_rotation - state.holonomy)
+    stiffness = (
+        state.physics.twisting + state.physics.torsion
+    )  # of one kind of section or the other
+    twist = stiffness * (state.physics.end_rotation - state.holonomy)
     if straight:
         up = 0.5 * np.pi
         mirror = Symmetry(reflection(up, 1.0), False)

@@ -12,6 +12,7 @@ from scipy.integrate import solve_bvp, solve_ivp
 from scipy.optimize import brentq
 
 import derod
+from derod.equilibrium.symmetry import asymmetric
 from derod.equilibrium.system import System
 from derod.pushing.guess import bent_guess
 from derod.record.sections import edge_directors
@@ -259,3 +260,21 @@ def test_modes_of_a_strip_are_those_that_are_counted() -> None:
     assert earlier.eigenvalues[0] > stable.eigenvalues[0], "it softens toward its pitchfork"
     with pytest.raises(ValueError, match="round sections"):
         run.sensitivities(-1)
+
+
+@pytest.mark.parametrize(
+    ("directors", "kept"),
+    [
+        ([0, 0], True),
+        ([0, "pi"], True),
+        (["pi/2", "pi/2"], True),
+        ([0, "pi/2"], False),
+        ([0.3, 0.3], False),
+    ],
+)
+def test_a_centre_line_keeps_its_symmetries_only_where_the_section_does(
+    directors: list[Any], kept: bool
+) -> None:
+    assert asymmetric(System(dry({"clamps.directors": directors})).physics) is not kept
+    curled = dry({"clamps.directors": directors, "rod.natural_curvature": [1, 0]})
+    assert asymmetric(System(curled).physics)
