@@ -14,7 +14,7 @@ from derod.algebra.jit import inlined, kernel
 from derod.rod.band import fill_band, fill_border
 from derod.rod.constraints import on_sphere, pin, stretch
 from derod.rod.frame_hessian import add_second, clear_second
-from derod.rod.frames import add_moments, clear_forces, measure_frames, renew
+from derod.rod.frames import add_moments, clear_forces, renew
 from derod.rod.kinematics import measure
 
 # terms: imports
@@ -58,7 +58,6 @@ def potential(physics, q, b, psi, room):
 def measured_energies(physics, mesh, q, b, psi, room):
     """Measure a state and return its ``energies``."""
     measure(physics, mesh, q, b, room.kin)
-    measure_frames(q, room.kin, room.kin.frames)
     return energies(physics, q, b, psi, room)
 
 
@@ -78,7 +77,6 @@ def gradient(physics, mesh, q, b, psi, room):
 def constraints(physics, mesh, q, b, room):
     """Measure the rod and fill the stretch constraints; return False where an edge has no length."""
     sound = measure(physics, mesh, q, b, room.kin)
-    measure_frames(q, room.kin, room.kin.frames)
     fill_turns(room.kin, room.grad)
     stretch.fill_chords(room.kin, room.grad)
     return sound
@@ -123,8 +121,8 @@ def forces(physics, q, b, psi, room):
     total = 0.0
     for i in range(n + 1):
         room.r[i, d] = grad.constraint[i]
-        total += room.r[i, 0] + room.r[i, 1] + room.r[i, d - 1] + room.r[i, len(physics.row) - 1]
-        total += room.r[i, d]
+        for k in range(len(physics.row)):
+            total += room.r[i, k]
     for i in range(kin.node_a, kin.node_b + 1):
         for k in range(d):
             grad.border[X_C + k] -= grad.node[i, k]  # moving the drop is moving the nodes back

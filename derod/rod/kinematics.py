@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from derod.algebra.jit import inlined
+from derod.rod.frames import measure_frames
 from derod.rod.grid import lay_grid
 
 
@@ -15,6 +16,7 @@ def measure(physics, mesh, q, b, kin):
     sound = fill_tangents(physics.axis, q, kin)
     fill_changes(physics.axis, kin)
     fill_differences(physics.axis, kin)
+    measure_frames(q, kin, kin.frames)
     return sound
 
 

@@ -15,31 +15,28 @@ from derod.rod.terms import strains
 
 
 @inlined
+def forces(physics):
+    """Return the forces of the natural shape, K_1 k_1 and K_2 k_2, and none along the rod."""
+    hard = (1 + physics.stiffening) * physics.natural_curvature_2
+    return physics.natural_curvature_1, hard, 0.0
+
+
+@inlined
 def energy(physics, kin, q, b, psi):
     """Return the energy, K/D."""
+    c = forces(physics)
     k1, k2 = physics.natural_curvature_1, physics.natural_curvature_2
-    hard = 1 + physics.stiffening
-    constant = 0.5 * physics.length * (k1 * k1 + hard * k2 * k2)
-    return constant + strains.energy(physics.stiffening, 0.0, (k1, hard * k2, 0.0), kin, kin.frames)
+    constant = 0.5 * physics.length * (c[0] * k1 + c[1] * k2)
+    return constant + strains.energy(physics.stiffening, 0.0, c, kin, kin.frames)
 
 
 @inlined
 def add_gradient(physics, kin, q, b, psi, tension, grad):
     """Add its derivatives by strains and lengths."""
-    natural = (
-        physics.natural_curvature_1,
-        (1 + physics.stiffening) * physics.natural_curvature_2,
-        0.0,
-    )
-    strains.add_gradient(physics.stiffening, 0.0, natural, kin, grad, kin.frames)
+    strains.add_gradient(physics.stiffening, 0.0, forces(physics), kin, grad, kin.frames)
 
 
 @inlined
 def add_hessian(physics, kin, q, b, psi, tension, hess):
     """Add its second derivatives."""
-    natural = (
-        physics.natural_curvature_1,
-        (1 + physics.stiffening) * physics.natural_curvature_2,
-        0.0,
-    )
-    strains.add_hessian(physics.stiffening, 0.0, natural, kin, hess, kin.frames)
+    strains.add_hessian(physics.stiffening, 0.0, forces(physics), kin, hess, kin.frames)

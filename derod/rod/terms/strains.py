@@ -73,6 +73,32 @@ def cubic(k2, k3, natural, a1, a2, a3):
     return value + natural[2] / 8 * a3 * square
 
 
+@inlined
+def parts(k2, k3, natural, a1, a2, a3, d1, d2, d3):
+    """Return the derivatives of T by a and by d, and those of U by a."""
+    c1, c2, c3 = natural
+    p1, p2, p3 = k2 / 24 - k3 / 8, (k3 - k2) / 8, k2 / 12
+    square = a1 * a1 + a2 * a2
+    by_mean = (
+        p1 * a3 * d2 + p3 * a2 * d3 - c2 * d3 / 12 + c3 * d2 / 8,
+        p2 * a3 * d1 + p3 * a1 * d3 + c1 * d3 / 12 - c3 * d1 / 8,
+        p1 * a1 * d2 + p2 * a2 * d1 - c1 * d2 / 8 + c2 * d1 / 8,
+    )
+    by_difference = (
+        p2 * a2 * a3 + c2 * a3 / 8 - c3 * a2 / 8,
+        p1 * a1 * a3 - c1 * a3 / 8 + c3 * a1 / 8,
+        p3 * a1 * a2 + c1 * a2 / 12 - c2 * a1 / 12,
+    )
+    u3 = 5 * k2 / 12 * a2 * a2 * a3 - k3 / 4 * a3 * square
+    u3 += -5 / 12 * (c1 * a1 + c2 * a2) * a3 + c3 / 8 * square
+    cubed = (
+        -k3 / 4 * a1 * a3 * a3 - 5 * c1 / 24 * a3 * a3 + c3 / 4 * a1 * a3,
+        (5 * k2 / 12 - k3 / 4) * a2 * a3 * a3 - 5 * c2 / 24 * a3 * a3 + c3 / 4 * a2 * a3,
+        u3,
+    )
+    return by_mean, by_difference, cubed
+
+
 @kernel
 def add_gradient(k2, k3, natural, kin, grad, frames):
     """Add the derivatives of E by strains, rest and dual lengths."""
@@ -98,22 +124,11 @@ def add_gradient(k2, k3, natural, kin, grad, frames):
 def fill_slopes(k2, k3, natural, kin, e, frames):
     """Fill the derivatives of F by u before the edge, u behind it, and l."""
     l, a1, a2, a3, d1, d2, d3 = ends(kin, e, frames)
-    c1, c2, c3 = natural
     f = frames.slopes
+    t, s, u = parts(k2, k3, natural, a1, a2, a3, d1, d2, d3)
     ll, lll = l * l, l * l * l
-    p1, p2, p3 = k2 / 24 - k3 / 8, (k3 - k2) / 8, k2 / 12
-    square = a1 * a1 + a2 * a2
-    by_a1 = ll * (p1 * a3 * d2 + p3 * a2 * d3 - c2 * d3 / 12 + c3 * d2 / 8)
-    by_a2 = ll * (p2 * a3 * d1 + p3 * a1 * d3 + c1 * d3 / 12 - c3 * d1 / 8)
-    by_a3 = ll * (p1 * a1 * d2 + p2 * a2 * d1 - c1 * d2 / 8 + c2 * d1 / 8)
-    by_a1 += lll * (-k3 / 4 * a1 * a3 * a3 - 5 * c1 / 24 * a3 * a3 + c3 / 4 * a1 * a3)
-    by_a2 += lll * ((5 * k2 / 12 - k3 / 4) * a2 * a3 * a3 - 5 * c2 / 24 * a3 * a3)
-    by_a2 += lll * c3 / 4 * a2 * a3
-    by_a3 += lll * (5 * k2 / 12 * a2 * a2 * a3 - k3 / 4 * a3 * square)
-    by_a3 += lll * (-5 / 12 * (c1 * a1 + c2 * a2) * a3 + c3 / 8 * square)
-    by_d1 = ll * (p2 * a2 * a3 + c2 * a3 / 8 - c3 * a2 / 8)
-    by_d2 = ll * (p1 * a1 * a3 - c1 * a3 / 8 + c3 * a1 / 8) + l * k2 * d2 / 6
-    by_d3 = ll * (p3 * a1 * a2 + c1 * a2 / 12 - c2 * a1 / 12) + l * k3 * d3 / 12
+    by_a1, by_a2, by_a3 = ll * t[0] + lll * u[0], ll * t[1] + lll * u[1], ll * t[2] + lll * u[2]
+    by_d1, by_d2, by_d3 = ll * s[0], ll * s[1] + l * k2 * d2 / 6, ll * s[2] + l * k3 * d3 / 12
     f[0], f[3] = 0.5 * by_a1 - by_d1, 0.5 * by_a1 + by_d1
     f[1], f[4] = 0.5 * by_a2 - by_d2, 0.5 * by_a2 + by_d2
     f[2], f[5] = 0.5 * by_a3 - by_d3, 0.5 * by_a3 + by_d3
@@ -212,20 +227,10 @@ def fill_curves(k2, k3, natural, kin, e, frames):
     aa = ((aa11, aa12, aa13), (aa12, aa22, aa23), (aa13, aa23, aa33))
     ad = ((0.0, ad12, ad13), (ad21, 0.0, ad23), (ad31, ad32, 0.0))
     dd = (0.0, l * k2 / 6, l * k3 / 12)
-    # by l: F_a l, F_d l
-    t1 = p1 * a3 * d2 + p3 * a2 * d3 - c2 * d3 / 12 + c3 * d2 / 8
-    t2 = p2 * a3 * d1 + p3 * a1 * d3 + c1 * d3 / 12 - c3 * d1 / 8
-    t3 = p1 * a1 * d2 + p2 * a2 * d1 - c1 * d2 / 8 + c2 * d1 / 8
-    u1 = -k3 / 4 * a1 * a3 * a3 - 5 * c1 / 24 * a3 * a3 + c3 / 4 * a1 * a3
-    u2 = (5 * k2 / 12 - k3 / 4) * a2 * a3 * a3 - 5 * c2 / 24 * a3 * a3 + c3 / 4 * a2 * a3
-    u3 = 5 * k2 / 12 * a2 * a2 * a3 - k3 / 4 * a3 * square
-    u3 += -5 / 12 * (c1 * a1 + c2 * a2) * a3 + c3 / 8 * square
-    al = (2 * l * t1 + 3 * ll * u1, 2 * l * t2 + 3 * ll * u2, 2 * l * t3 + 3 * ll * u3)
-    dl = (
-        2 * l * (p2 * a2 * a3 + c2 * a3 / 8 - c3 * a2 / 8),
-        2 * l * (p1 * a1 * a3 - c1 * a3 / 8 + c3 * a1 / 8) + k2 * d2 / 6,
-        2 * l * (p3 * a1 * a2 + c1 * a2 / 12 - c2 * a1 / 12) + k3 * d3 / 12,
-    )
+    t, s, u = parts(k2, k3, natural, a1, a2, a3, d1, d2, d3)
+    two, three = 2 * l, 3 * ll
+    al = (two * t[0] + three * u[0], two * t[1] + three * u[1], two * t[2] + three * u[2])
+    dl = (two * s[0], two * s[1] + k2 * d2 / 6, two * s[2] + k3 * d3 / 12)
     for j in range(3):
         for m in range(3):
             both, skew = ad[j][m] + ad[m][j], ad[j][m] - ad[m][j]
