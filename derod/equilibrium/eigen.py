@@ -28,14 +28,13 @@ from derod.equilibrium.linear import (
     unstable_modes,
 )
 from derod.equilibrium.system import System
+from derod.equilibrium.turning import LEAST_TURNING, turning, turns_freely
 from derod.errors import DerodError
+from derod.rod.band import DEFLATION
 from derod.rod.state import State
-from derod.rod.terms import TERMS
 from derod.rod.unknowns import S_A, S_B, TURN, X_C
 
 TOLERANCE = 1e-12  # of Lanczos, relative
-LEAST_TURNING = 1e-10  # D^1.5; below it the rod lies on the axis
-CORNER = 1e-4  # keeps the turn's row regular where it does (``rod.band``)
 
 
 class ModesError(DerodError, ValueError):
@@ -126,25 +125,6 @@ class Metric:
                 linear.corner[X_C + k, X_C + k] += shift
 
 
-def turns_freely(state: State) -> bool:
-    """Return whether turning the coil about the clamp axis costs nothing."""
-    if state.dimension == 2:
-        return False
-    return all(
-        not term.breaks_turn or not getattr(state.physics, term.breaks_turn) for term in TERMS
-    )
-
-
-def turning(state: State, border_size: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return the displacement of a turn about the clamp axis, e_z x r, as rows of q and the border."""
-    d = state.dimension
-    rows, border = np.zeros((len(state.q) - 1, state.width)), np.zeros(border_size)
-    if d == 3:
-        rows[:, 0], rows[:, 1] = -state.q[1:, 1], state.q[1:, 0]
-        border[X_C], border[X_C + 1] = -state.b[X_C + 1], state.b[X_C]
-    return rows, border
-
-
 def factor_shifted(system: System, state: State, shift: float) -> tuple[int, Metric]:
     """Factor H + ``shift`` M at a state; return how many eigenvalues lie below -shift, and M.
 
@@ -161,7 +141,7 @@ def factor_shifted(system: System, state: State, shift: float) -> tuple[int, Met
         linear.border[: rows.size, turn] = rows.ravel()
         linear.corner[turn], linear.corner[:, turn] = border, border
         square = np.sum(rows * motion[0]) + border @ motion[1]
-        linear.corner[turn, turn] = -(square + CORNER) / (1 + 2 * abs(shift))
+        linear.corner[turn, turn] = -(square + DEFLATION) / (1 + 2 * abs(shift))
     return int(unstable_modes(state.physics, system.room.linear, system.factor)), metric
 
 

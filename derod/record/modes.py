@@ -16,6 +16,7 @@ import numpy as np
 from derod.equilibrium import eigen, stability, symmetry
 from derod.equilibrium.eigen import ModesError, NotConvergedError
 from derod.equilibrium.system import System
+from derod.equilibrium.turning import turns_freely
 from derod.pushing.encode import decode
 from derod.rod.state import State, in_space
 from derod.rod.unknowns import S_A, S_B, X_C
@@ -97,6 +98,6 @@ def modes_at(system: System, state: State, k: int) -> Modes:
         in_space(borders[:, X_C : X_C + d]),
         tuple(flip[:k]),
         tuple(plane[:k]),
-        eigen.turns_freely(state),
+        turns_freely(state),
         stability.sliding_stiffness(system) * system.bending,
     )

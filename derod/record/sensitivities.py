@@ -22,6 +22,7 @@ from derod.equilibrium import eigen
 from derod.equilibrium.measured import Measured
 from derod.equilibrium.sensitivity import Sensitivity, parameters_of, sensitivities
 from derod.equilibrium.system import System
+from derod.equilibrium.turning import turning, turns_freely
 from derod.errors import DerodError
 from derod.pushing.controls import CONTROLS
 from derod.record.modes import state_of
@@ -201,8 +202,8 @@ def soft_mode(
     value = float(pairs.values[nearest])
     soft = abs(value) < SOFT * CLAMPED_ROD / state.physics.length**4
     metric = eigen.Metric(system, state)
-    rows, border = eigen.turning(state, system.factor.rhs_border.size)
-    turn = float(np.linalg.norm(metric.down(rows, border))) if eigen.turns_freely(state) else 0.0
+    rows, border = turning(state, system.factor.rhs_border.size)
+    turn = float(np.linalg.norm(metric.down(rows, border))) if turns_freely(state) else 0.0
     wild = {}
     for name, one in found.items():
         force, force_border = one.force

@@ -21,12 +21,12 @@ from derod.equilibrium.control import Control
 from derod.equilibrium.measured import Measured, measure
 from derod.equilibrium.stability import inertia
 from derod.equilibrium.system import System
+from derod.equilibrium.turning import turns_freely
 from derod.pushing.prediction import extrapolate
 from derod.rod.state import State
 from derod.rod.unknowns import F_A, X_C
 from derod.scene.controls import HELD
 from derod.tracing.bordered import Bordered, Vector
-from derod.tracing.symmetry import turns_freely
 
 UNIT_STEP = 0.02 * math.pi  # D, the end-shortening's usual step
 MOST_ITERATIONS = 8  # of one correction

@@ -13,14 +13,13 @@ import numpy as np
 
 from derod.equilibrium.stability import inertia
 from derod.equilibrium.system import System
+from derod.equilibrium.turning import LEAST_TURNING, turning, turns_freely
 from derod.rod.state import State
-from derod.rod.unknowns import F_A, X_C
+from derod.rod.unknowns import F_A
 from derod.tracing.bordered import Vector
-from derod.tracing.symmetry import turns_freely
 
 SPARE = 3  # vectors beyond those that are wanted
 SWEEPS, SETTLED = 60, 1e-9  # at most; relative change of the eigenvalues wanted in the last one
-LEAST_TURN = 1e-10  # D^1.5; below it the rod lies on the axis
 
 
 def nearest_modes(
@@ -35,9 +34,12 @@ def nearest_modes(
     if not state.physics.drop:
         border_weight[: F_A + system.dimension] = 0.0
     metric = np.concatenate([weight.ravel(), border_weight])
-    turn = turning(state, metric.size)
-    size = np.sqrt(turn @ (metric * turn))
-    turn = turn / size if size > LEAST_TURN else np.zeros_like(turn)
+    turn = np.zeros_like(metric)
+    if turns_freely(state):
+        rows, border = turning(state, border_weight.size)
+        motion = np.concatenate([rows.ravel(), border])
+        size = np.sqrt(motion @ (metric * motion))
+        turn = motion / size if size > LEAST_TURNING else turn
     rng = np.random.default_rng(0)
     block = rng.standard_normal((count + SPARE, metric.size)) * (metric > 0)
     block = orthonormal(without(block, turn, metric), metric)
@@ -77,16 +79,4 @@ def orthonormal(block: np.ndarray, metric: np.ndarray) -> np.ndarray:
         for k in range(len(out)):
             out[k] -= (out[:k] @ (metric * out[k])) @ out[:k]
             out[k] /= np.sqrt(out[k] @ (metric * out[k]))
-    return out
-
-
-def turning(state: State, size: int) -> np.ndarray:
-    """Return the displacement of a turn about the clamp axis, e_z x r, rows and border in one, (size,)."""
-    rows = np.zeros((state.q.shape[0] - 1, state.width))
-    out = np.zeros(size)
-    if turns_freely(state):
-        rows[:-1, 0], rows[:-1, 1] = -state.q[1:-1, 1], state.q[1:-1, 0]
-        out[: rows.size] = rows.ravel()
-        out[rows.size + X_C] = -state.b[X_C + 1]
-        out[rows.size + X_C + 1] = state.b[X_C]
     return out

@@ -11,8 +11,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from derod.equilibrium.turning import turns_freely
 from derod.rod.state import State
-from derod.rod.terms import TERMS
 
 SAME = 1e-5  # D, root mean square over the rod, of two states that are one
 
@@ -26,14 +26,6 @@ def images(state: State) -> Iterator[np.ndarray]:
         u = -across.conj() if mirrored else across
         yield np.stack([u, along], axis=1)
         yield np.stack([-u.conj()[::-1], along[-1] - along[::-1]], axis=1)
-
-
-def turns_freely(state: State) -> bool:
-    """Return whether turning the rod about the clamp axis costs nothing."""
-    broken = (term.breaks_turn for term in TERMS)
-    return state.dimension == 3 and not any(
-        getattr(state.physics, name) != 0.0 for name in broken if name
-    )
 
 
 def distance(state: State, other: State, weight: np.ndarray) -> float:
