@@ -473,6 +473,15 @@ def test_a_section_lacks_what_a_push_needs(changes: dict[str, Any], key: str) ->
     assert caught.value.key == key and str(caught.value).count("\n") == 0
 
 
+def test_a_step_that_turns_a_section_is_named() -> None:
+    changes = {"rod.bending": [1, 2], "clamps.directors": [0, 0]}
+    steps = [{"control": "end_rotation", "stop": 1.0, "max_step": 0.1}]
+    scene = build_scene(BASE, "some.toml").replace(changes | {"steps": steps})
+    with pytest.raises(SceneError) as caught:
+        check_pushable(scene)
+    assert caught.value.key == "steps[0].control"
+
+
 def test_directors() -> None:
     scene = build_scene(with_value("clamps", "directors", [0, "pi/2"]))
     assert scene.clamps.directors == (0.0, math.pi / 2)

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from typing import Any, NoReturn
 
 from derod.errors import SceneError
-from derod.scene.program import legs
+from derod.scene.failing import fail
+from derod.scene.program import named_controls
 from derod.scene.quantities import write_quantity
 from derod.scene.rules import KEYS
 from derod.scene.tables import Scene
@@ -22,7 +22,7 @@ def check_directors(scene: Scene) -> None:
         turn = clamps.directors[1] - clamps.directors[0]
         if abs(clamps.end_rotation - turn) > SAME_ANGLE:
             allowed = f"{write_quantity(turn)}, the difference of clamps.directors, or nothing"
-            _fail(
+            fail(
                 scene,
                 "clamps.end_rotation",
                 clamps.end_rotation,
@@ -34,12 +34,12 @@ def check_directors(scene: Scene) -> None:
     for name in ("natural_curvature", "natural_twist"):
         value = getattr(rod, name)
         if value is not None:
-            _fail(scene, f"rod.{name}", value, "needs space", "none, or model.dimension = 3")
+            fail(scene, f"rod.{name}", value, "needs space", "none, or model.dimension = 3")
     if rod.bending_2 is None or clamps.directors is None:
         return
     for angle in clamps.directors:
         if abs(math.sin(angle)) > SAME_ANGLE:
-            _fail(
+            fail(
                 scene,
                 "clamps.directors",
                 list(clamps.directors),
@@ -62,29 +62,17 @@ def check_pushable(scene: Scene) -> None:
             allowed=PAIR,
         )
     if not rod.twisting > 0.0:
-        _fail(
-            scene, "rod.twisting", rod.twisting, "cannot hold the section's directions", "above 0"
-        )
+        fail(scene, "rod.twisting", rod.twisting, "cannot hold the section's directions", "above 0")
     if scene.relax.method != "implicit":
-        _fail(
+        fail(
             scene,
             "relax.method",
             scene.relax.method,
             "cannot settle a section with directions",
             "'implicit' with two bending stiffnesses or a natural shape",
         )
-    if any(leg.control == "end_rotation" for leg in legs(scene)):
-        _fail(
-            scene,
-            "push.control",
-            "end_rotation",
-            "cannot turn a section with directions yet",
-            "another control with two bending stiffnesses or a natural shape",
-        )
-
-
-def _fail(scene: Scene, key: str, value: Any, problem: str, allowed: str) -> NoReturn:
-    written = write_quantity(value) if isinstance(value, float) else None
-    raise SceneError(
-        problem, file=scene.path, key=key, value=value, allowed=allowed, written=written
-    )
+    for key, control in named_controls(scene):
+        if control == "end_rotation":
+            problem = "cannot turn a section with directions yet"
+            allowed = "another control with two bending stiffnesses or a natural shape"
+            fail(scene, key, control, problem, allowed)

@@ -51,6 +51,12 @@ def legs(scene: Scene) -> tuple[Leg, ...]:
     return tuple(made)
 
 
+def named_controls(scene: Scene) -> list[tuple[str, str]]:
+    """The keys that name a control, and what they name."""
+    steps = [(f"steps[{n}].control", step.control) for n, step in enumerate(scene.steps)]
+    return [("push.control", scene.push.control), *steps]
+
+
 def slides_at_start(scene: Scene) -> bool:
     """Whether the first state's end slides under a dead load."""
     return scene.clamps.end_tension is not None or scene.push.control == TENSION

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from itertools import pairwise
-from typing import Any, NoReturn
 
 from derod.errors import SceneError
 from derod.scene.controls import HELD
 from derod.scene.directors import check_directors
+from derod.scene.failing import fail
 from derod.scene.plan import LEAST_STEP
-from derod.scene.program import SHORTENING, legs, slides_at_start, ways
+from derod.scene.program import SHORTENING, legs, named_controls, slides_at_start, ways
 from derod.scene.quantities import write_quantity
 from derod.scene.rules import KEYS
 from derod.scene.tables import Scene
@@ -37,7 +37,7 @@ def check_together(scene: Scene) -> None:
     _check_landings(scene)
     check_directors(scene)
     if scene.model.dimension == 2 and scene.clamps.end_rotation != 0.0:
-        _fail(
+        fail(
             scene,
             "clamps.end_rotation",
             scene.clamps.end_rotation,
@@ -50,7 +50,7 @@ def _check_length(scene: Scene) -> None:
     """A rod in a drop must be longer than the drop is wide."""
     length = scene.rod.length
     if scene.drop is not None and length <= 1.0:
-        _fail(scene, "rod.length", length, "is out of range", KEYS["rod"]["length"].allowed)
+        fail(scene, "rod.length", length, "is out of range", KEYS["rod"]["length"].allowed)
 
 
 def _reach(scene: Scene) -> tuple[float, str]:
@@ -68,17 +68,15 @@ def _reach(scene: Scene) -> tuple[float, str]:
 def _check_controls(scene: Scene) -> None:
     """What pushes must be there, and what does not push must be held."""
     clamps, push = scene.clamps, scene.push
-    controls = [("push.control", push.control)]
-    controls += [(f"steps[{n}].control", step.control) for n, step in enumerate(scene.steps)]
-    for key, control in controls:
+    for key, control in named_controls(scene):
         needs = HELD[control].needs
         if needs == "drop" and scene.drop is None:
-            _fail(scene, key, control, "needs a drop", "another control, or model.drop = true")
+            fail(scene, key, control, "needs a drop", "another control, or model.drop = true")
         if needs == "space" and scene.model.dimension == 2:
-            _fail(scene, key, control, "turns the rod out of its plane", "model.dimension = 3")
+            fail(scene, key, control, "turns the rod out of its plane", "model.dimension = 3")
     slides = slides_at_start(scene)
     if slides and clamps.end_shortening is not None:
-        _fail(
+        fail(
             scene,
             "clamps.end_shortening",
             clamps.end_shortening,
@@ -86,7 +84,7 @@ def _check_controls(scene: Scene) -> None:
             "no end-shortening with an end tension",
         )
     if push.control == SHORTENING and clamps.end_tension is not None:
-        _fail(
+        fail(
             scene,
             "clamps.end_tension",
             clamps.end_tension,
@@ -101,7 +99,7 @@ def _check_controls(scene: Scene) -> None:
             allowed=f"{HELD[SHORTENING].allowed}, or clamps.end_tension",
         )
     if scene.relax.method != "implicit" and (slides or any(leg.slides for leg in legs(scene))):
-        _fail(
+        fail(
             scene,
             "relax.method",
             scene.relax.method,
@@ -119,15 +117,15 @@ def _check_legs(scene: Scene) -> None:
         path.append(("clamps.end_shortening", SHORTENING, scene.clamps.end_shortening))
     for key, control, value in path:
         if not HELD[control].holds(value):
-            _fail(scene, key, value, "is out of range", HELD[control].allowed)
+            fail(scene, key, value, "is out of range", HELD[control].allowed)
         if control == SHORTENING and value >= limit:
-            _fail(scene, key, value, "is a push past what the rod can give", within)
+            fail(scene, key, value, "is a push past what the rod can give", within)
     _check_turns(scene, [scene.push.start, *scene.push.stop])
     for (begin, stop), leg in zip(ways(scene), legs(scene), strict=True):
         least = LEAST_STEP * max(1.0, abs(stop), 0.0 if math.isnan(begin) else abs(begin))
         if leg.max_step < least:
             key = leg.key.partition(".stop")[0] + ".max_step"
-            _fail(scene, key, leg.max_step, "is lost in rounding", f"{least:.3g} and above")
+            fail(scene, key, leg.max_step, "is lost in rounding", f"{least:.3g} and above")
 
 
 def _check_landings(scene: Scene) -> None:
@@ -150,9 +148,9 @@ def _check_each(
     for i, value in enumerate(landings):
         if not low <= value <= high:
             reach = f"from {write_quantity(low)} to {write_quantity(high)}, what the push covers"
-            _fail(scene, f"{key}[{i}]", value, "is never reached", reach)
+            fail(scene, f"{key}[{i}]", value, "is never reached", reach)
         if i and value == landings[i - 1]:  # they are in order
-            _fail(scene, f"{key}[{i}]", value, "is given twice", "each landing once")
+            fail(scene, f"{key}[{i}]", value, "is given twice", "each landing once")
 
 
 def covered_range(scene: Scene) -> tuple[float, float]:
@@ -166,7 +164,7 @@ def _check_turns(scene: Scene, points: list[float]) -> None:
     for i, step in enumerate(steps):
         key = "push.stop" if len(steps) == 1 else f"push.stop[{i}]"
         if step == 0.0:
-            _fail(
+            fail(
                 scene,
                 key,
                 points[i + 1],
@@ -175,11 +173,4 @@ def _check_turns(scene: Scene, points: list[float]) -> None:
             )
         if i > 0 and step * steps[i - 1] > 0.0:
             turn = "turning points that go up and down in turn (use push.at to land in between)"
-            _fail(scene, key, points[i + 1], "goes on the same way as the one before", turn)
-
-
-def _fail(scene: Scene, key: str, value: Any, problem: str, allowed: str) -> NoReturn:
-    written = write_quantity(value) if isinstance(value, float) else None
-    raise SceneError(
-        problem, file=scene.path, key=key, value=value, allowed=allowed, written=written
-    )
+            fail(scene, key, points[i + 1], "goes on the same way as the one before", turn)
