@@ -57,11 +57,6 @@ class Control(ABC):
         """Return how far the end clamp moves along the axis for a unit of this parameter."""
         return 0.0
 
-    def empty_column(self, system: System) -> tuple[np.ndarray, np.ndarray]:
-        """Return zeros in the shape of a column."""
-        shape = (system.edges, system.width)
-        return np.zeros(shape), np.zeros_like(system.factor.rhs_border)
-
 
 class Constant(Control):
     """A control that is a constant of ``Physics`` of the same name."""

@@ -38,7 +38,7 @@ def of_control(control: Control, system: System, here: Measured) -> Partial:
     """Return the partial derivatives by a control at the state measured last."""
     potential, end = control.conjugate(here), control.moves_end()
     if end:  # moving the clamp is all it does
-        return Partial(*control.empty_column(system), potential, end=end)
+        return Partial(*system.empty_column(), potential, end=end)
     return Partial(*control.column(system, here.state), potential)
 
 
@@ -49,7 +49,7 @@ def wall_softness(system: System, state: State) -> Partial:
     (``rod.terms.wall``).
     """
     physics, kin, d = state.physics, system.room.kin, state.dimension
-    column, border = empty(system)
+    column, border = system.empty_column()
     nodes = slice(kin.node_a, kin.node_b + 1)
     x = state.q[nodes, :d] - state.b[X_C : X_C + d]
     square = np.sum(x * x, axis=1)
@@ -71,7 +71,7 @@ def wall_softness(system: System, state: State) -> Partial:
 
 def twisting(system: System, state: State) -> Partial:
     """Return the derivatives by k3 of k3 (R - psi)^2 / (2 l): (R - psi)/k3 in the moment's row."""
-    column, border = empty(system)
+    column, border = system.empty_column()
     turn = state.physics.end_rotation - state.holonomy
     if state.physics.twisting > 0:
         border[MOMENT + state.dimension] = turn / state.physics.twisting
@@ -88,7 +88,7 @@ def length(system: System, state: State) -> Partial:
     """
     room, physics, d = system.room, state.physics, state.dimension
     kin, hess = room.kin, room.hess
-    column, border = empty(system)
+    column, border = system.empty_column()
     slope, by_length = kin.slope.copy(), np.zeros_like(kin.rest)
     if physics.drop:
         outer = slice(kin.node_b + 1, -1)
@@ -127,9 +127,3 @@ CONSTANTS: dict[str, Callable[[System, State], Partial]] = {
     "length": length,
 }
 """By the scene's key."""
-
-
-def empty(system: System) -> tuple[np.ndarray, np.ndarray]:
-    """Return zeros in the shape of a column."""
-    shape = (system.edges, system.dimension + 1)
-    return np.zeros(shape), np.zeros_like(system.factor.rhs_border)

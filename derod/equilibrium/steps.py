@@ -7,11 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 ACCEPTED, STALLED, STRAYED, UNSOUND = 0, 1, 2, 3  # what became of a step, or of a beginning
-PLAIN, REFINED, CHORD = (
-    0,
-    1,
-    2,
-)  # Newton's step, solved for plainly or refined; with the last factor
+PLAIN, REFINED = 0, 1  # Newton's step, solved for plainly or with a step of refinement
+CHORD = 2  # a step with the last factor
 
 
 class Rules(NamedTuple):

@@ -83,6 +83,10 @@ class System:
         column[-1, self.dimension - 1] = 0.0
         return column, self.factor.rhs_border.copy()
 
+    def empty_column(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return zeros in the shape of a right side: the rows of nodes 1 ... N, and the border."""
+        return np.zeros((self.edges, self.width)), np.zeros_like(self.factor.rhs_border)
+
     def excess(self, state: State, tolerance: float) -> tuple[float, float]:
         """Return how far the residual last taken is above its tolerance, and its largest force.
 

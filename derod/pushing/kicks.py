@@ -55,12 +55,8 @@ def kick(
         moved = state.copy()
         moved.q += sign * amplitude * mode_q
         moved.b += sign * amplitude * mode_b
-        inside = system.wall_gap(moved) > GAP_LEFT * gap
-        if (
-            inside
-            and system.project(moved, 2 * abs(value))
-            and system.energies(moved).potential < energy
-        ):
+        put = onto_constraints(system, moved, gap, 2 * abs(value))
+        if put and system.energies(moved).potential < energy:
             break
         amplitude *= 0.5
     else:
@@ -72,6 +68,14 @@ def kick(
         breaks_a_symmetry(state, mode_q, state.physics.end_rotation - state.holonomy)
         and not asymmetric(state.physics),
     )
+
+
+def onto_constraints(system: System, moved: State, gap: float, shift: float) -> bool:
+    """Put a kicked state onto its constraints (``System.project``); False where that fails.
+
+    ``gap`` (D) is the wall's before the kick; one that takes too much of it fails too.
+    """
+    return system.wall_gap(moved) > GAP_LEFT * gap and system.project(moved, shift)
 
 
 def breaks_a_symmetry(state: State, mode_q: np.ndarray, twist: float) -> bool:

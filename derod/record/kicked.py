@@ -11,10 +11,12 @@ import numpy as np
 from derod.equilibrium.loop import Outcome, relax
 from derod.equilibrium.measured import measure
 from derod.equilibrium.methods import make_relaxer
+from derod.equilibrium.turning import turns_freely
 from derod.pushing.columns import Settled
 from derod.pushing.controls import CONTROLS
 from derod.pushing.encode import encode
 from derod.pushing.frames import Frame
+from derod.pushing.kicks import LEAST, onto_constraints
 from derod.record.modes import Modes, ModesError, state_of
 from derod.rod.state import State
 from derod.rod.unknowns import S_A, S_B, X_C
@@ -23,8 +25,6 @@ from derod.scene.program import legs
 if TYPE_CHECKING:
     from derod.record.run import BaseRun
 
-LEAST = 1e-8  # D, of an amplitude
-GAP_LEFT = 0.2  # of the wall's gap that the kick must leave
 SAME = (
     1e-6  # D, that nodes may be off in one and the same state, the turn about the axis left aside
 )
@@ -47,7 +47,7 @@ class Kicked:
     energy_after: float
     """Where it ended."""
     moved: float
-    """D, how far nodes are from where they were, turned about the axis to fit best."""
+    """D, how far nodes are from where they were, a free turn about the axis left aside."""
 
     @property
     def converged(self) -> bool:
@@ -85,7 +85,7 @@ def kicked(run: BaseRun, i: int, modes: Modes, mode: int, amplitude: float) -> K
     raised = 2 * abs(float(modes.eigenvalues[mode])) / unit
     while True:
         start = displaced(state, modes, mode, amplitude)
-        if system.wall_gap(start) > GAP_LEFT * gap and system.project(start, raised):
+        if onto_constraints(system, start, gap, raised):
             break
         amplitude *= 0.5
         if abs(amplitude) < LEAST:
@@ -119,9 +119,12 @@ def displaced(state: State, modes: Modes, mode: int, amplitude: float) -> State:
 
 
 def distance(one: State, other: State) -> float:
-    """Return the largest distance of nodes of two states, D, after the turn about the axis that fits best."""
+    """Return the largest distance of nodes of two states, D.
+
+    Where turning about the axis is free, after the turn that fits best.
+    """
     x, y = one.positions, other.positions
     a, b = x[:, 0] + 1j * x[:, 1], y[:, 0] + 1j * y[:, 1]
-    angle = float(np.angle(np.vdot(b, a))) if one.dimension == 3 else 0.0
+    angle = float(np.angle(np.vdot(b, a))) if turns_freely(one) else 0.0
     turned = b * np.exp(1j * angle)
     return float(np.hypot(abs(a - turned), abs(x[:, 2] - y[:, 2])).max())

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from derod.record.geometry import MaterialFrame, tangents_with_clamps, unit
+from derod.record.geometry import MaterialFrame, carried, tangents_with_clamps, unit
 from derod.scene import Scene
 
 
@@ -16,11 +16,9 @@ def edge_directors(positions: np.ndarray, edge_frame: np.ndarray, scene: Scene) 
     """
     tangents = tangents_with_clamps(positions)
     t, before, director = tangents[1:-1], edge_frame[:, 1:4], edge_frame[:, 4:]
-    along = np.sum(director * t, axis=1) / (1 + np.sum(before * t, axis=1))
-    carried = director - along[:, None] * (before + t)
-    angle = edge_frame[:, :1]
+    reference, angle = carried(director, before, t), edge_frame[:, :1]
     first = np.zeros_like(tangents)
-    first[1:-1] = np.cos(angle) * carried + np.sin(angle) * np.cross(t, carried)
+    first[1:-1] = np.cos(angle) * reference + np.sin(angle) * np.cross(t, reference)
     start, end = scene.clamps.directors or (0.0, scene.clamps.end_rotation)
     first[0], first[-1] = (np.cos(start), np.sin(start), 0), (np.cos(end), np.sin(end), 0)
     return np.stack([first, np.cross(tangents, first), tangents], axis=1)

@@ -60,7 +60,7 @@ class Spring(Constant):
 
     def column(self, system, state):
         """Return minus the spring's force over S."""
-        column, border = self.empty_column(system)
+        column, border = system.empty_column()
         d = system.dimension
         border[X_C : X_C + d - 1] = -state.b[X_C : X_C + d - 1]
         return column, border

@@ -31,6 +31,6 @@ class CapillaryForce(Constant):
 
     def column(self, system: System, state: State) -> tuple[np.ndarray, np.ndarray]:
         """Return the pull on the menisci's places."""
-        column, border = self.empty_column(system)
+        column, border = system.empty_column()
         border[S_A], border[S_B] = -1.0, 1.0
         return column, border

@@ -29,7 +29,7 @@ class EndRotation(Constant):
 
     def column(self, system: System, state: State) -> tuple[np.ndarray, np.ndarray]:
         """Return 1 in the twisting moment's row: there, l/k3 m_3 = R - psi."""
-        column, border = self.empty_column(system)
+        column, border = system.empty_column()
         if state.physics.twisting > 0:
             border[MOMENT + system.dimension] = 1.0
         return column, border

@@ -29,6 +29,6 @@ class EndTension(Constant):
 
     def column(self, system: System, state: State) -> tuple[np.ndarray, np.ndarray]:
         """Return 1 in the row of z_N."""
-        column, border = self.empty_column(system)
+        column, border = system.empty_column()
         column[-1, system.dimension - 1] = 1.0
         return column, border

@@ -29,7 +29,7 @@ class WallStrength(Constant):
 
     def column(self, system: System, state: State) -> tuple[np.ndarray, np.ndarray]:
         """Return minus the wall's own gradient over v0: the residual is linear in v0."""
-        column, border = self.empty_column(system)
+        column, border = system.empty_column()
         room, size = system.room, state.b.size
         r, rb = room.r.copy(), room.rb.copy()
         twice = state.copy()

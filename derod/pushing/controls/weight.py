@@ -30,6 +30,6 @@ class Weight(Constant):
 
     def column(self, system: System, state: State) -> tuple[np.ndarray, np.ndarray]:
         """Return the pull on the drop's centre."""
-        column, border = self.empty_column(system)
+        column, border = system.empty_column()
         border[X_C + system.dimension - 2] = -1.0
         return column, border
