@@ -28,10 +28,10 @@ def test_lines_off_a_terminal(capsys: pytest.CaptureFixture[str]) -> None:
     words("hessian", True)  # too soon for another line
     words.shown -= ready.LINE_EVERY
     words("gradient", False)
-    words("follow_step", True)
+    words("follow", True)
     assert capsys.readouterr().err.splitlines() == [
         "compiling kernels, 1 of 18 (gradient)",
-        "compiling kernels, 2 of 18 (follow_step, hessian)",
+        "compiling kernels, 2 of 18 (follow, hessian)",
     ]
 
 

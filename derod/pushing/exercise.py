@@ -1,7 +1,8 @@
 """A small push that calls what pushes of its kind call: for compiling before it is needed.
 
-Kernels are compiled for the number of dimensions and, beside those of implicit steps, for the method; not for
-sizes or stiffnesses. So every scene has the kernels of a small, easy scene of its kind.
+Kernels are compiled for the number of dimensions, for sections with directions or without and, beside those
+of implicit steps, for the method; not for sizes or stiffnesses. So every scene has the kernels of a small,
+easy scene of its kind.
 """
 
 from __future__ import annotations
@@ -25,25 +26,29 @@ class Variant(NamedTuple):
     dimension: int
     drop: bool
     method: str
+    frames: bool = False  # of a section with directions
 
     @property
     def name(self) -> str:
         """The variant in a few words, as "in space, implicit"."""
         place = "in space" if self.dimension == 3 else "in the plane"
-        return f"{place}{'' if self.drop else ' without drop'}, {self.method}"
+        section = ", with directions" if self.frames else ""
+        return f"{place}{'' if self.drop else ' without drop'}{section}, {self.method}"
 
 
-VARIANTS = tuple(
+ROUND = tuple(
     Variant(dimension, drop, method)
     for method in METHODS
     for dimension in (3, 2)
     for drop in (True, False)
 )
+VARIANTS = (*ROUND, Variant(3, True, "implicit", True), Variant(3, False, "implicit", True))
 
 
 def variant_of(scene: Scene) -> Variant:
     """The variant of a scene."""
-    return Variant(scene.model.dimension, scene.drop is not None, scene.relax.method)
+    drop, method = scene.drop is not None, scene.relax.method
+    return Variant(scene.model.dimension, drop, method, scene.has_frames)
 
 
 def small_scene(variant: Variant) -> Scene:
@@ -55,6 +60,9 @@ def small_scene(variant: Variant) -> Scene:
         "model": {"dimension": variant.dimension, "drop": variant.drop},
         "noise": {"seed": 1},
     }
+    if variant.frames:
+        tables["rod"]["bending"] = [1.0, 2.0]
+        tables["clamps"] = {"directors": [0.0, 0.0]}
     if variant.drop:
         tables["drop"] = {"capillary_force": 20.0, "wall_strength": 2e-4, "wall_softness": 0.1}
     return build_scene(tables)

@@ -47,7 +47,7 @@ def assembly(folder: Path, way: str, *names: str) -> str:
     "names",
     [
         ["lay_grid", "excess"],
-        pytest.param(["gradient", "follow_step", "linearise"], marks=pytest.mark.validation),
+        pytest.param(["gradient", "follow", "linearise"], marks=pytest.mark.validation),
     ],
 )
 def test_the_code_is_the_same(tmp_path: Path, names: list[str]) -> None:
