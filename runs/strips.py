@@ -86,7 +86,8 @@ def jumps() -> None:
     """Print the events of the push to and fro, and the branches' places."""
     made = catalogue(16.0)
     pitchfork = made.paths["Ax"].pitchforks[0][1].point.state
-    fold = made.paths["3D-K2"].specials[0][1].point.state
+    folds = [special.point.state for _, special in made.paths["3D-K2"].specials]
+    fold = min(folds, key=lambda state: state.end_shortening)
     run = derod.push(
         strip(16.0, push_stop=[0.7 * PI, 0.1 * PI], push_at=[], push_max_step=STEP * PI)
     )
