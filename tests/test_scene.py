@@ -490,6 +490,9 @@ def test_directors() -> None:
     assert parse_scene(scene.text) == scene and build_scene(plain_tables(scene)) == scene
     for wrong in ([0], [0, 1, 2], 0, ["a", 0], [0, math.inf]):
         assert names_all(error_of(with_value("clamps", "directors", wrong)), "clamps.directors")
+    turned = build_scene(BASE).replace({"clamps.directors": [0.5, 2]})
+    assert turned.clamps.end_rotation == 1.5
+    assert turned.replace({"clamps.directors": [0.5, 1]}).clamps.end_rotation == 0.5
     both = with_value("clamps", "directors", [0, 1])
     both["clamps"]["end_rotation"] = 2
     assert names_all(error_of(both), "clamps.end_rotation")

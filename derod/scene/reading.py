@@ -182,6 +182,8 @@ def replace_keys(scene: Scene, changes: Mapping[str, Any]) -> Scene:
             data.pop(table, None)
         else:
             data[table] = plain(value)
+    if "clamps.directors" in changes and "clamps.end_rotation" not in changes:
+        data["clamps"].pop("end_rotation", None)  # it was that of other directors, or of none
     if "push.stop" in changes and "push.at" not in changes and "push" not in changes:
         landings = data["push"].pop("at")
         points = build_scene(data, scene.path).push

@@ -31,9 +31,18 @@ BOXES = {
     "weak": Box((6, 24), (0.5, 1.5), (4.5, 8), (0.02, 0.3), (1e-5, 5e-2)),
     "heavy": Box((6, 16), (0.5, 1.5), (8, 60), (0.02, 0.3), (1e-4, 5e-2)),
     "steps": Box((6, 16), (0.5, 1.5), (10, 40), (0.05, 0.3), (1e-4, 5e-2)),
+    "sections": Box((6, 16), (0.4, 1.5), (8, 40), (0.05, 0.3), (1e-4, 5e-2)),
 }
-ORDER = ("hard", "weak", "wide", "heavy", "steps")  # a new one comes last: seeds keep their scenes
+ORDER = (
+    "hard",
+    "weak",
+    "wide",
+    "heavy",
+    "steps",
+    "sections",
+)  # new ones last: seeds keep their scenes
 WEIGHTS = (0.005, 0.4)  # of f_gamma
+HARDER = (1.2, 30)  # K2/K1
 
 
 def draw(box: str, seed: int, number: int) -> derod.Scene:
@@ -57,7 +66,7 @@ def draw(box: str, seed: int, number: int) -> derod.Scene:
         "push.max_step": step,
         "push.at": [share * stop for share in LANDINGS],
     }
-    if box in ("heavy", "steps"):
+    if box in ("heavy", "steps", "sections"):
         tables["push.stop"] = stop = stop * rng.uniform(0.3, 0.9)
         tables["push.at"] = [share * stop for share in LANDINGS]
     if box == "heavy":
@@ -72,7 +81,26 @@ def draw(box: str, seed: int, number: int) -> derod.Scene:
         rounded["push.bend"] = str(rng.choice(["down", "up"]))
     if box == "steps":
         rounded["steps"] = draw_steps(rng, rounded)
+    if box == "sections":
+        del rounded["clamps.end_rotation"]
+        rounded |= draw_section(rng)
     return derod.parse_scene(PLAIN).replace(rounded)
+
+
+def draw_section(rng: np.random.Generator) -> dict[str, Any]:
+    """Return two stiffnesses, directors along a principal axis or not, and now and then a natural shape."""
+    start = rng.choice([0.0, 0.5 * math.pi, rng.uniform(0, math.pi)])
+    end = start + rng.choice([0.0, 0.0, rng.uniform(-2, 2)])
+    hard = math.exp(rng.uniform(*np.log(HARDER)))
+    section: dict[str, Any] = {
+        "rod.bending": [1.0, float(f"{hard:.5g}")],
+        "clamps.directors": [float(start), float(end)],
+    }
+    if rng.random() < 0.4:
+        section["rod.natural_curvature"] = [float(x) for x in rng.uniform(-1, 1, 2).round(3)]
+    if rng.random() < 0.3:
+        section["rod.natural_twist"] = float(round(rng.uniform(-1, 1), 3))
+    return section
 
 
 def draw_steps(rng: np.random.Generator, tables: dict[str, Any]) -> list[dict[str, Any]]:
